@@ -1,0 +1,38 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The three checksums that a BAHRS frame may carry.
+
+The device's CRC is CRC-32/MPEG-2 (BAHRS document, section 2.2). It is zlib's CRC-32 with the
+bits of every input byte, and of the result, in reverse order, so zlib does the work.
+"""
+
+from array import array
+import zlib
+
+_BITS_REVERSED = bytes(int(f'{byte:08b}'[::-1], 2) for byte in range(256))
+
+
+def crc32(data: bytes) -> bytes:
+    """Return the reflected CRC-32 (zlib's) of data as four little-endian bytes."""
+    return zlib.crc32(data).to_bytes(4, 'little')
+
+
+def mpeg2(data: bytes) -> bytes:
+    """Return the CRC-32/MPEG-2 of data, taken byte by byte, as four little-endian bytes."""
+    reflected = zlib.crc32(data.translate(_BITS_REVERSED)) ^ 0xFFFFFFFF
+    # Reversing the bits of the whole word is reversing its bytes and the bits of each.
+    return reflected.to_bytes(4, 'big').translate(_BITS_REVERSED)
+
+
+def mpeg2_words(data: bytes) -> bytes:
+    """
+    Return the CRC-32/MPEG-2 of data taken as little-endian 32-bit words.
+
+    This is what the CRC unit of the device's microcontroller computes when it is fed words. The
+    length of data must be a multiple of four (ValueError).
+    """
+    words = array('I')
+    words.frombytes(data)
+    words.byteswap()
+    return mpeg2(words.tobytes())

@@ -1,0 +1,64 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The integrity of a signal, and how a health field packs several of them."""
+
+from collections.abc import Callable
+from enum import IntEnum
+from functools import lru_cache
+
+
+class Integrity(IntEnum):
+    """
+    What the device says a signal is worth (BAHRS document, section 2.4).
+
+    RESERVED is the bit pattern that the document leaves undefined. It is kept apart so that it
+    can be reported, and is never to be taken for an available signal.
+    """
+
+    UNAVAILABLE = 0
+    SAFE = 1
+    INTEGRITY_RISK = 2
+    RESERVED = 3
+
+    @property
+    def available(self) -> bool:
+        """Whether the signal carries a value at all: safe, or at integrity risk."""
+        return self in (Integrity.SAFE, Integrity.INTEGRITY_RISK)
+
+    @property
+    def label(self) -> str:
+        """The name as it appears in text output: ``safe``, ``integrity_risk``, ..."""
+        return self.name.lower()
+
+
+Health = tuple[Integrity, ...]
+
+
+def two_bit_fields(count: int) -> tuple[Callable[[int], Health], Callable[[Health], int]]:
+    """Return the decoder and encoder of count two-bit fields, first signal lowest (version 3)."""
+
+    @lru_cache(maxsize=None)
+    def decode(word: int) -> Health:
+        return tuple(Integrity(word >> 2 * i & 0b11) for i in range(count))
+
+    def encode(health: Health) -> int:
+        return sum(integrity << 2 * i for i, integrity in enumerate(health))
+
+    return decode, encode
+
+
+def valid_bits(count: int) -> tuple[Callable[[int], Health], Callable[[Health], int]]:
+    """
+    Return the decoder and encoder of count valid bits, first signal lowest (versions 1 and 2).
+
+    One bit cannot tell of an integrity risk: only a safe signal is encoded as valid.
+    """
+
+    @lru_cache(maxsize=None)
+    def decode(bits: int) -> Health:
+        return tuple(Integrity(bits >> i & 1) for i in range(count))
+
+    def encode(health: Health) -> int:
+        return sum((integrity is Integrity.SAFE) << i for i, integrity in enumerate(health))
+
+    return decode, encode

@@ -1,0 +1,178 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+How a message lies on the wire, one row for each field, read in both directions.
+
+A message is a frozen dataclass whose fields are declared with `wire(row)`. A row knows the
+struct code of its field and the two functions between the raw number and the SI value. A Layout
+compiles the rows of one message for one protocol version; decoding and encoding both come from
+it, so that they cannot disagree.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+import struct
+from typing import Any, Generic, TypeVar
+
+from bahrs_driver.protocol.integrity import two_bit_fields, valid_bits
+
+Vector = tuple[float, float, float]
+Message = TypeVar('Message')
+
+
+@dataclass(frozen=True)
+class Row:
+    """One field on the wire: its struct code, how often it repeats, and both conversions."""
+
+    code: str
+    decode: Callable[[Any], Any]
+    encode: Callable[[Any], Any]
+    count: int = 1
+    unit: str = ''
+
+
+def _same(value: Any) -> Any:
+    return value
+
+
+def integer(code: str, unit: str = '') -> Row:
+    """Return the row of a whole number that stands for itself."""
+    return Row(code, _same, int, unit=unit)
+
+
+def scaled(code: str, scale: float, unit: str, offset: float = 0.0) -> Row:
+    """Return the row of a quantity: value = scale * raw + offset."""
+
+    def decode(raw: int) -> float:
+        return raw * scale + offset
+
+    def encode(value: float) -> int:
+        return round((value - offset) / scale)
+
+    return Row(code, decode, encode, unit=unit)
+
+
+def deviation(code: str, scale: float, unit: str) -> Row:
+    """Return the row of a standard deviation, for which the raw value 0 means invalid (None)."""
+
+    def decode(raw: int) -> float | None:
+        return raw * scale if raw else None
+
+    def encode(value: float | None) -> int:
+        return 0 if value is None else round(value / scale)
+
+    return Row(code, decode, encode, unit=unit)
+
+
+def vector(code: str, scale: float, unit: str) -> Row:
+    """Return the row of three scaled components, x first."""
+
+    def decode(raw: tuple[int, int, int]) -> Vector:
+        x, y, z = raw
+        return x * scale, y * scale, z * scale
+
+    def encode(value: Vector) -> tuple[int, ...]:
+        return tuple(round(component / scale) for component in value)
+
+    return Row(code, decode, encode, count=3, unit=unit)
+
+
+def integers(code: str, count: int) -> Row:
+    """Return the row of several whole numbers."""
+    return Row(code, tuple, tuple, count=count)
+
+
+def text(size: int) -> Row:
+    """Return the row of a Latin-1 string that zero bytes fill up to its size."""
+
+    def decode(raw: bytes) -> str:
+        return raw.rstrip(b'\0').decode('latin-1')
+
+    def encode(value: str) -> bytes:
+        data = value.encode('latin-1')
+        if len(data) > size:
+            raise ValueError(f'{value!r} is longer than {size} bytes')
+        return data
+
+    return Row(f'{size}s', decode, encode)
+
+
+def block(size: int) -> Row:
+    """Return the row of size bytes that stand for themselves."""
+
+    def encode(value: bytes) -> bytes:
+        if len(value) != size:
+            raise ValueError(f'{len(value)} bytes given, {size} needed')
+        return value
+
+    return Row(f'{size}s', bytes, encode)
+
+
+def integrity_fields(code: str, count: int) -> Row:
+    """Return the row of a health word with two bits a signal."""
+    return Row(code, *two_bit_fields(count))
+
+
+def valid_flags(code: str, count: int) -> Row:
+    """Return the row of a health byte with one valid bit a signal."""
+    return Row(code, *valid_bits(count))
+
+
+def wire(row: Row | Mapping[int, Row]) -> Any:
+    """
+    Declare a dataclass field that stands on the wire as the row says.
+
+    Where the row differs between protocol versions, a mapping gives for each row the first
+    version that it holds for.
+    """
+    return field(metadata={'rows': {1: row} if isinstance(row, Row) else dict(row)})
+
+
+class Layout(Generic[Message]):
+    """The wire layout of one message in one protocol version."""
+
+    def __init__(self, message: type[Message], version: int = 1, byte_order: str = '<',
+                 replace: Mapping[str, Row] | None = None) -> None:
+        """Compile the rows of message, some of them replaced by name."""
+        self.message = message
+        self._rows: list[tuple[str, Row, struct.Struct]] = []
+        self._steps: list[tuple[Callable[[Any], Any], int | slice]] = []
+        codes, position = '', 0
+        for item in fields(message):  # type: ignore[arg-type]
+            row = (replace or {}).get(item.name) or _row_for(item.metadata['rows'], version)
+            code = row.code if row.count == 1 else f'{row.count}{row.code}'
+            self._rows.append((item.name, row, struct.Struct(byte_order + code)))
+            place = position if row.count == 1 else slice(position, position + row.count)
+            self._steps.append((row.decode, place))
+            codes += code
+            position += row.count
+        self._struct = struct.Struct(byte_order + codes)
+        self.size = self._struct.size
+
+    def raw(self, payload: bytes, start: int = 0) -> dict[str, Any]:
+        """Return the numbers as they stand on the wire, by field name."""
+        values = self._struct.unpack_from(payload, start)
+        return {name: values[place] for (name, _, _), (_, place) in zip(self._rows, self._steps)}
+
+    def decode(self, payload: bytes, start: int = 0) -> Message:
+        """Return the message whose payload begins at start. Any content decodes."""
+        values = self._struct.unpack_from(payload, start)
+        return self.message(*[decode(values[place]) for decode, place in self._steps])
+
+    def encode(self, message: Message) -> bytes:
+        """Return the payload of a message; ValueError where a value does not fit its field."""
+        return b''.join(_pack(name, row, packer, getattr(message, name))
+                        for name, row, packer in self._rows)
+
+
+def _pack(name: str, row: Row, packer: struct.Struct, value: Any) -> bytes:
+    try:
+        raw = row.encode(value)
+        return packer.pack(raw) if row.count == 1 else packer.pack(*raw)
+    except (struct.error, ValueError, OverflowError) as error:
+        unit = row.unit and ' ' + row.unit
+        raise ValueError(f'{name}: {value}{unit} does not fit its field ({error})') from error
+
+
+def _row_for(rows: Mapping[int, Row], version: int) -> Row:
+    return rows[max(first for first in rows if first <= version)]
