@@ -1,0 +1,171 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The port: opened, read with the host's time, written, closed.
+
+A port is a path or any pyserial URL. What goes wrong with it is told in one sentence that names
+the port, the reason and the remedy, and is always a LinkError: the port may be back in a second.
+"""
+
+import errno
+import grp
+import os
+import pwd
+import stat
+import termios
+import time
+from typing import NamedTuple
+
+import serial
+
+from bahrs_driver.clock import byte_time_ns
+
+READ_TIMEOUT = 0.5      # s; bounds how long a closed-down link may hold its reader
+WRITE_TIMEOUT = 1.0     # s
+SOCKET_CHUNK = 4096     # bytes
+_NO_LINE_RATE = ('ttyACM', 'ttyGS')
+
+
+class LinkError(Exception):
+    """The port cannot be used now. The text says why, and what can be done about it."""
+
+    def __init__(self, reason: str, absent: bool = False) -> None:
+        """Take the sentence, and whether the reason is that there is no such port."""
+        super().__init__(reason)
+        self.absent = absent
+
+
+class Reading(NamedTuple):
+    """The bytes of one read and the host's time right after it, in ns since the epoch."""
+
+    data: bytes
+    time_ns: int
+
+
+class Link:
+    """A port that can be opened again and again."""
+
+    def __init__(self, port: str, baud_rate: int) -> None:
+        """Take a path or pyserial URL; ValueError for a URL that pyserial does not know."""
+        self.port = port
+        self.baud_rate = baud_rate
+        self._is_url = '://' in port
+        self._is_socket = port.startswith('socket://')
+        self._serial = serial.serial_for_url(
+            port, baudrate=baud_rate, timeout=READ_TIMEOUT, write_timeout=WRITE_TIMEOUT,
+            exclusive=True, do_not_open=True)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the port is open."""
+        return bool(self._serial.is_open)
+
+    @property
+    def byte_time_ns(self) -> int:
+        """Nanoseconds that a byte takes on the line; 0 for native USB and networks."""
+        name = os.path.basename(os.path.realpath(self.port))
+        no_rate = self._is_url or name.startswith(_NO_LINE_RATE)
+        return 0 if no_rate else byte_time_ns(self.baud_rate)
+
+    def open(self) -> None:
+        """Open the port for this process alone. LinkError says why it cannot be."""
+        try:
+            self._serial.open()
+        except (OSError, ValueError, termios.error) as error:
+            raise self._why_not_open(error) from error
+
+    def read(self) -> Reading | None:
+        """Wait for bytes and take all there are. None: none came in time. LinkError: it is gone."""
+        try:
+            if self._is_socket:
+                data = self._read_socket()
+            else:
+                data = self._serial.read(self._serial.in_waiting or 1)
+        except OSError as error:
+            raise LinkError(f'{self.port} is gone: plug it in again, the driver will find it',
+                            absent=True) from error
+        return Reading(data, time.time_ns()) if data else None
+
+    def write(self, data: bytes) -> None:
+        """Send all of data. LinkError if the port is gone or takes no more."""
+        try:
+            self._serial.write(data)
+        except OSError as error:
+            raise LinkError(f'{self.port} does not take data: {error}') from error
+
+    def cancel_read(self) -> None:
+        """Wake the thread that waits in read, if the port's kind allows it."""
+        cancel = getattr(self._serial, 'cancel_read', None)
+        if cancel is not None and self.is_open:
+            cancel()
+
+    def close(self) -> None:
+        """Close the port. Closing one that is gone or closed does no harm."""
+        try:
+            self._serial.close()
+        except OSError:
+            pass
+
+    def _read_socket(self) -> bytes:
+        # A socket cannot say how much is waiting: take the first byte, then all that is there.
+        first: bytes = self._serial.read(1)
+        if not first:
+            return first
+        self._serial.timeout = 0
+        try:
+            return first + bytes(self._serial.read(SOCKET_CHUNK))
+        finally:
+            self._serial.timeout = READ_TIMEOUT
+
+    def _why_not_open(self, error: Exception) -> LinkError:
+        code = getattr(error, 'errno', None)
+        if self._is_url:
+            return LinkError(f'{self.port} cannot be opened: {_plain(error)}')
+        if code == errno.ENOENT:
+            return LinkError(f'{self.port} does not exist: plug the device in, or name another '
+                             'port', absent=True)
+        if code in (errno.EACCES, errno.EPERM):
+            return LinkError(self._why_forbidden())
+        if code in (errno.EBUSY, errno.EAGAIN):
+            return LinkError(f'{self.port} is in use by another program: '
+                             f'"fuser -v {self.port}" tells which')
+        if isinstance(error, (ValueError, termios.error)):
+            return LinkError(f'{self.port} does not support {self.baud_rate} baud')
+        if code is None or not _is_character_device(self.port):
+            return LinkError(f'{self.port} is not a serial port')
+        return LinkError(f'{self.port} cannot be opened: {_plain(error)}')
+
+    def _why_forbidden(self) -> str:
+        user = _user_name(os.geteuid())
+        info = os.stat(self.port)
+        if info.st_gid and info.st_mode & stat.S_IRGRP and info.st_mode & stat.S_IWGRP:
+            return (f'{self.port} may not be opened by user {user}: join its group with '
+                    f'"sudo usermod -aG {_group_name(info.st_gid)} {user}" and log in again')
+        return (f'{self.port} may not be opened by user {user}: its mode is '
+                f'{stat.filemode(info.st_mode)}, a udev rule with MODE="0660", GROUP="dialout" '
+                'would let the group dialout use it')
+
+
+def _user_name(uid: int) -> str:
+    try:
+        return pwd.getpwuid(uid).pw_name
+    except KeyError:
+        return str(uid)
+
+
+def _group_name(gid: int) -> str:
+    try:
+        return grp.getgrgid(gid).gr_name
+    except KeyError:
+        return str(gid)
+
+
+def _is_character_device(path: str) -> bool:
+    try:
+        return stat.S_ISCHR(os.stat(path).st_mode)
+    except OSError:
+        return False
+
+
+def _plain(error: Exception) -> str:
+    return getattr(error, 'strerror', None) or str(error)

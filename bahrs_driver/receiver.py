@@ -1,0 +1,139 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The one thread that reads: read, feed, decode, stamp, hand over.
+
+It keeps the port open as long as it runs. When the port cannot be opened or is lost it says so
+once, and tries again with growing pauses, until it is stopped.
+"""
+
+from dataclasses import dataclass
+import threading
+import time
+from typing import Any, NamedTuple, Protocol
+
+from bahrs_driver.clock import ArrivalClock
+from bahrs_driver.link import Link, LinkError
+from bahrs_driver.protocol.framing import Frame, Framer
+
+FIRST_PAUSE = 0.1       # s, before the port is tried again
+LONGEST_PAUSE = 2.0     # s
+
+
+class Received(NamedTuple):
+    """A message, the frame it came in, and its time in ns since the epoch."""
+
+    message: Any
+    frame: Frame
+    stamp_ns: int
+
+
+class Codec(Protocol):
+    """What turns a frame into a message."""
+
+    def decode(self, frame: Frame) -> Any:
+        """Return the message of an intact frame."""
+
+
+class Listener(Protocol):
+    """Who is told what happens on the link. Called on the receiver's thread."""
+
+    def link_opened(self) -> None:
+        """The port was opened; what comes next has nothing to do with what came before."""
+
+    def link_failed(self, reason: str) -> None:
+        """The port cannot be opened, or was lost. Told once for every reason."""
+
+    def received(self, batch: list[Received]) -> None:
+        """Frames were completed by one read."""
+
+
+@dataclass
+class LinkCounters:
+    """What happened on the link so far. Written by the receiver, read by anyone."""
+
+    open_since: float | None = None         # time.monotonic()
+    last_data: float | None = None          # time.monotonic()
+    times_opened: int = 0
+    bytes_received: int = 0
+    reads: int = 0
+    error: str = ''                         # why it is not open now
+    last_error: str = ''                    # the latest of all
+
+
+class Receiver(threading.Thread):
+    """Reads a link until stopped, and tells a listener of all that it makes of it."""
+
+    def __init__(self, link: Link, framer: Framer, codec: Codec, listener: Listener) -> None:
+        """Take the parts; start() begins."""
+        super().__init__(name='receiver', daemon=True)
+        self.counters = LinkCounters()
+        self._link = link
+        self._framer = framer
+        self._codec = codec
+        self._listener = listener
+        self._clock = ArrivalClock(0)
+        self._last_read_ns = 0
+        self._pause = FIRST_PAUSE
+        self._absence_told = False
+        self._stopping = threading.Event()
+
+    def stop(self) -> None:
+        """End the thread and close the port."""
+        self._stopping.set()
+        self._link.cancel_read()
+        self.join()
+
+    def run(self) -> None:
+        """Keep the port open and read it."""
+        while not self._stopping.is_set():
+            try:
+                self._open()
+                self._read_on()
+            except LinkError as error:
+                self._fail(error)
+                self._stopping.wait(self._pause)
+                self._pause = min(2 * self._pause, LONGEST_PAUSE)
+            finally:
+                self._link.close()
+
+    def _open(self) -> None:
+        self._link.open()
+        self._clock = ArrivalClock(self._link.byte_time_ns)
+        self.counters.open_since = time.monotonic()
+        self.counters.times_opened += 1
+        self.counters.error = ''
+        self._listener.link_opened()
+
+    def _read_on(self) -> None:
+        while not self._stopping.is_set():
+            reading = self._link.read()
+            if reading is None:
+                continue
+            self._pause = FIRST_PAUSE
+            self._last_read_ns = reading.time_ns
+            self.counters.reads += 1
+            self.counters.bytes_received += len(reading.data)
+            self.counters.last_data = time.monotonic()
+            self._hand_over(self._framer.feed(reading.data))
+
+    def _hand_over(self, frames: list[Frame]) -> None:
+        if frames:
+            self._listener.received([
+                Received(self._codec.decode(frame), frame, self._stamp(frame))
+                for frame in frames])
+
+    def _stamp(self, frame: Frame) -> int:
+        return self._clock.stamp(self._last_read_ns, self._framer.received - frame.offset)
+
+    def _fail(self, error: LinkError) -> None:
+        was_open = self.counters.open_since is not None
+        self.counters.open_since = None
+        if was_open:
+            self._hand_over(self._framer.flush())
+        reason = str(error)
+        told = reason == self.counters.error or (error.absent and self._absence_told)
+        self._absence_told = error.absent
+        self.counters.error = self.counters.last_error = reason
+        if not told:
+            self._listener.link_failed(reason)
