@@ -1,0 +1,86 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+From the devices' axes to those of ROS.
+
+The devices speak of forward, right, down (FRD) and north, east, down (NED). REP-103 wants
+forward, left, up (FLU) and east, north, up (ENU). A Convention turns the former into what is
+published; there is one for each value of the parameter `frame_convention`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+import math
+from typing import Any, NamedTuple
+
+from bahrs_driver.protocol.layout import Vector
+
+Diagonal = tuple[float | None, float | None, float | None]
+
+_SQRT_HALF = math.sqrt(0.5)
+
+
+class Quaternion(NamedTuple):
+    """A rotation from body axes to navigation axes, scalar first."""
+
+    w: float
+    x: float
+    y: float
+    z: float
+
+
+def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
+    """Return the rotation by yaw about z, then pitch about y, then roll about x (radians)."""
+    cr, sr = math.cos(roll / 2), math.sin(roll / 2)
+    cp, sp = math.cos(pitch / 2), math.sin(pitch / 2)
+    cy, sy = math.cos(yaw / 2), math.sin(yaw / 2)
+    return Quaternion(
+        cr * cp * cy + sr * sp * sy,
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy)
+
+
+def flu(frd: Vector) -> Vector:
+    """Return a body vector given forward, right, down as forward, left, up."""
+    x, y, z = frd
+    return x, -y, -z
+
+
+def enu(ned: Vector) -> Vector:
+    """Return a vector given north, east, down as east, north, up."""
+    north, east, down = ned
+    return east, north, -down
+
+
+def enu_diagonal(ned: Diagonal) -> Diagonal:
+    """Return what belongs to the north, east and down axes in the order east, north, up."""
+    north, east, down = ned
+    return east, north, down
+
+
+def flu_to_enu(frd_to_ned: Quaternion) -> Quaternion:
+    """Return the same attitude as a rotation from forward, left, up to east, north, up."""
+    w, x, y, z = frd_to_ned
+    return Quaternion(_SQRT_HALF * (w + z), _SQRT_HALF * (x + y),
+                      _SQRT_HALF * (x - y), _SQRT_HALF * (w - z))
+
+
+def _as_it_is(value: Any) -> Any:
+    return value
+
+
+@dataclass(frozen=True)
+class Convention:
+    """How vectors, deviations and rotations in the device's axes are published."""
+
+    body: Callable[[Vector], Vector]                    # a vector in body axes
+    world: Callable[[Vector], Vector]                   # a vector in navigation axes
+    diagonal: Callable[[Diagonal], Diagonal]            # what goes with the navigation axes
+    orientation: Callable[[Quaternion], Quaternion]     # body to navigation axes
+
+
+CONVENTIONS = {
+    'enu': Convention(flu, enu, enu_diagonal, flu_to_enu),
+    'ned': Convention(_as_it_is, _as_it_is, _as_it_is, _as_it_is),
+}

@@ -1,0 +1,54 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Covariance matrices as ROS messages carry them: flat, row by row.
+
+REP-145 has two marks: all zeros when nothing is known of the covariance, and -1 in the first
+element when the quantity itself is not reported. A component that is not known beside others
+that are carries UNKNOWN_VARIANCE, which no filter takes for information.
+"""
+
+from collections.abc import Sequence
+import math
+
+from bahrs_driver.protocol.layout import Vector
+
+UNKNOWN_VARIANCE = 1e6          # in the square of the unit of its quantity
+
+Matrix = tuple[float, ...]
+
+UNKNOWN: Matrix = (0.0,) * 9
+NOT_REPORTED: Matrix = (-1.0,) + (0.0,) * 8
+
+
+def diagonal(variances: Sequence[float]) -> Matrix:
+    """Return the flat square matrix with these variances on its diagonal."""
+    size = len(variances)
+    return tuple(variances[i] if i == j else 0.0 for i in range(size) for j in range(size))
+
+
+def of_vector(vector: Vector, stddev: float) -> Matrix:
+    """
+    Return the covariance of a vector whose components have the same standard deviation.
+
+    A component that is NaN is not reported; if none is reported the vector is not.
+    """
+    missing = [math.isnan(component) for component in vector]
+    if all(missing):
+        return NOT_REPORTED
+    return diagonal([UNKNOWN_VARIANCE if gone else stddev ** 2 for gone in missing])
+
+
+def of_orientation(deviations: Sequence[float | None]) -> Matrix:
+    """Return the covariance of an orientation from its deviations about the three axes (rad)."""
+    if all(deviation is None for deviation in deviations):
+        return UNKNOWN
+    return diagonal([UNKNOWN_VARIANCE if deviation is None else deviation ** 2
+                     for deviation in deviations])
+
+
+def of_z_only(index: int, stddev: float) -> Matrix:
+    """Return the 6x6 covariance of a pose or twist of which only one component is measured."""
+    variances = [UNKNOWN_VARIANCE] * 6
+    variances[index] = stddev ** 2
+    return diagonal(variances)

@@ -1,0 +1,55 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A magnetic field for those who want one from a device that reports only a heading.
+
+The horizontal part of the earth's field points to magnetic north, and the heading says where
+that is. Strength and dip are assumed, so only the direction across the field, in the horizontal
+plane, is known; the covariance is open along the other two.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bahrs_driver.convert import covariance
+from bahrs_driver.convert.axes import Convention
+from bahrs_driver.convert.covariance import Matrix
+from bahrs_driver.protocol.layout import Vector
+
+
+def rotation_to_body(roll: float, pitch: float, heading: float) -> NDArray[np.float64]:
+    """Return the matrix that turns north, east, down into forward, right, down (radians)."""
+    cr, sr = math.cos(roll), math.sin(roll)
+    cp, sp = math.cos(pitch), math.sin(pitch)
+    ch, sh = math.cos(heading), math.sin(heading)
+    return np.array([
+        [cp * ch, cp * sh, -sp],
+        [sr * sp * ch - cr * sh, sr * sp * sh + cr * ch, sr * cp],
+        [cr * sp * ch + sr * sh, cr * sp * sh - sr * ch, cr * cp]])
+
+
+def derived_field(roll: float, pitch: float, heading: float, heading_std: float | None,
+                  strength: float, dip: float, convention: Convention) -> tuple[Vector, Matrix]:
+    """
+    Return the body field that fits attitude and magnetic heading, and its covariance.
+
+    Angles are in radians, the dip positive downward, strength and result in tesla. Along what
+    is not known one standard deviation is the whole strength. Without a standard deviation of
+    the heading nothing is known of the covariance.
+    """
+    to_body = rotation_to_body(roll, pitch, heading)
+    horizontal = strength * math.cos(dip)
+    field = convention.body(_vector(to_body @ (horizontal, 0.0, strength * math.sin(dip))))
+    if heading_std is None:
+        return field, covariance.UNKNOWN
+    to_published = np.array([convention.body(_vector(column)) for column in to_body.T]).T
+    variances = np.diag([strength ** 2, (horizontal * heading_std) ** 2, strength ** 2])
+    matrix = to_published @ variances @ to_published.T
+    return field, tuple(float(element) for element in matrix.flat)
+
+
+def _vector(array: NDArray[np.float64]) -> Vector:
+    x, y, z = array
+    return float(x), float(y), float(z)

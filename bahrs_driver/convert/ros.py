@@ -1,0 +1,98 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""ROS messages from plain numbers; the only knowledge of message fields there is."""
+
+from geometry_msgs.msg import (
+    PoseWithCovarianceStamped, Quaternion as QuaternionMessage, TwistWithCovarianceStamped,
+    Vector3,
+)
+from sensor_msgs.msg import FluidPressure, Imu, MagneticField, NavSatFix, NavSatStatus
+from std_msgs.msg import Float64, Header
+
+from bahrs_driver.clock import NANOSECONDS
+from bahrs_driver.convert import covariance
+from bahrs_driver.convert.axes import Quaternion
+from bahrs_driver.convert.covariance import Matrix
+from bahrs_driver.protocol.layout import Vector
+
+_NAN = float('nan')
+NO_VECTOR: Vector = (_NAN, _NAN, _NAN)
+NO_ROTATION = Quaternion(1.0, 0.0, 0.0, 0.0)
+_Z = 2
+
+
+def header(stamp_ns: int, frame_id: str) -> Header:
+    """Return a header; stamp_ns is in nanoseconds since the epoch."""
+    message = Header(frame_id=frame_id)
+    message.stamp.sec, message.stamp.nanosec = divmod(stamp_ns, NANOSECONDS)
+    return message
+
+
+def imu(head: Header, orientation: Quaternion | None, orientation_covariance: Matrix,
+        rate: Vector, rate_stddev: float, force: Vector, force_stddev: float) -> Imu:
+    """
+    Return angular rate (rad/s), specific force (m/s^2) and orientation with their covariances.
+
+    NaN is a component that is not reported, None an orientation that is not.
+    """
+    message = Imu(header=head)
+    message.orientation = _quaternion(orientation or NO_ROTATION)
+    message.orientation_covariance = (
+        orientation_covariance if orientation else covariance.NOT_REPORTED)
+    message.angular_velocity = _vector3(rate)
+    message.angular_velocity_covariance = covariance.of_vector(rate, rate_stddev)
+    message.linear_acceleration = _vector3(force)
+    message.linear_acceleration_covariance = covariance.of_vector(force, force_stddev)
+    return message
+
+
+def magnetic_field(head: Header, field: Vector, field_covariance: Matrix) -> MagneticField:
+    """Return a magnetic field in tesla, its covariance in tesla squared."""
+    return MagneticField(header=head, magnetic_field=_vector3(field),
+                         magnetic_field_covariance=field_covariance)
+
+
+def fluid_pressure(head: Header, pressure: float, stddev: float) -> FluidPressure:
+    """Return a pressure in Pa."""
+    return FluidPressure(header=head, fluid_pressure=pressure, variance=stddev ** 2)
+
+
+def altitude_fix(head: Header, altitude: float, stddev: float) -> NavSatFix:
+    """Return an altitude in m without any horizontal position."""
+    message = NavSatFix(header=head, latitude=_NAN, longitude=_NAN, altitude=altitude)
+    message.status = NavSatStatus(status=NavSatStatus.STATUS_NO_FIX)
+    message.position_covariance = covariance.diagonal(
+        (covariance.UNKNOWN_VARIANCE, covariance.UNKNOWN_VARIANCE, stddev ** 2))
+    message.position_covariance_type = NavSatFix.COVARIANCE_TYPE_DIAGONAL_KNOWN
+    return message
+
+
+def height_pose(head: Header, z: float, stddev: float) -> PoseWithCovarianceStamped:
+    """Return a pose of which only z, in m, is known."""
+    message = PoseWithCovarianceStamped(header=head)
+    message.pose.pose.position.z = z
+    message.pose.covariance = covariance.of_z_only(_Z, stddev)
+    return message
+
+
+def vertical_twist(head: Header, z: float, stddev: float) -> TwistWithCovarianceStamped:
+    """Return a twist of which only the velocity along z, in m/s, is known."""
+    message = TwistWithCovarianceStamped(header=head)
+    message.twist.twist.linear.z = z
+    message.twist.covariance = covariance.of_z_only(_Z, stddev)
+    return message
+
+
+def number(value: float) -> Float64:
+    """Return a bare number."""
+    return Float64(data=value)
+
+
+def _vector3(vector: Vector) -> Vector3:
+    x, y, z = vector
+    return Vector3(x=x, y=y, z=z)
+
+
+def _quaternion(quaternion: Quaternion) -> QuaternionMessage:
+    w, x, y, z = quaternion
+    return QuaternionMessage(w=w, x=x, y=y, z=z)
