@@ -75,7 +75,7 @@ class Link:
             raise self._why_not_open(error) from error
 
     def read(self) -> Reading | None:
-        """Wait for bytes and take all there are. None: none came in time. LinkError: it is gone."""
+        """Wait for bytes and take all there are; None if none came in time, LinkError if gone."""
         try:
             if self._is_socket:
                 data = self._read_socket()
@@ -168,4 +168,5 @@ def _is_character_device(path: str) -> bool:
 
 
 def _plain(error: Exception) -> str:
-    return getattr(error, 'strerror', None) or str(error)
+    # pyserial puts the cause's text, errno and all, at the end of a sentence of its own.
+    return getattr(error, 'strerror', None) or str(error).rpartition('] ')[2]

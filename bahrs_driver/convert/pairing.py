@@ -20,7 +20,7 @@ Sample = TypeVar('Sample')
 
 
 class Pairing(Generic[Sample]):
-    """Remembers the latest inertial sample, and tells whether a navigation message goes with it."""
+    """Remembers the latest inertial sample, and tells which navigation message goes with it."""
 
     def __init__(self) -> None:
         """Start without knowledge of the device's counters."""

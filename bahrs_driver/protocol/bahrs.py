@@ -42,6 +42,7 @@ class BahrsMessage:
     NAME: ClassVar[str]
     SINCE: ClassVar[int] = 1
     SERVICE: ClassVar[bool] = False
+    SIGNALS: ClassVar[tuple[str, ...]] = ()      # what the fields of `health` stand for
 
 
 @dataclass(frozen=True, slots=True)

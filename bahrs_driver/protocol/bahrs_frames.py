@@ -7,9 +7,10 @@ The frame of the BAHRS: marker, version, type, payload, padding, checksum.
 
 There is no length: version and type give it. Stream messages are padded to whole 32-bit words
 with one to four bytes, never none (section 2.2, and so does the device). Their CRC is
-CRC-32/MPEG-2, which the document reads as taken over bytes and the device takes over words. Service messages come
-unpadded, 0xF0 and 0xF1 also padded, with CRC-32/MPEG-2 by the document or with the ordinary
-CRC-32 by the device maker's own tool. Every variant is understood; the CRC of each frame tells.
+CRC-32/MPEG-2, by the document taken over single bytes, by the device over 32-bit words. Service
+messages come unpadded, 0xF0 and 0xF1 also padded, with CRC-32/MPEG-2 by the document and with
+the ordinary CRC-32 by the device maker's own tool. Every variant is understood: the CRC of each
+frame tells which it is.
 """
 
 import struct

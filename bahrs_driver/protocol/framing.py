@@ -25,7 +25,7 @@ from typing import NamedTuple, Protocol
 
 
 class Frame(NamedTuple):
-    """An intact frame: where its first byte stood in the stream, its bytes, what vouches for it."""
+    """An intact frame: the offset of its first byte in the stream, its bytes, what vouches."""
 
     offset: int
     data: bytes
@@ -140,7 +140,10 @@ class Framer:
         marker = self._format.marker
         start = self._buffer.find(marker, self._search)
         # Without one, its first bytes may still be the last that came.
-        self._search = max(self._search, len(self._buffer) - len(marker) + 1)             if start < 0 else start
+        if start >= 0:
+            self._search = start
+        else:
+            self._search = max(self._search, len(self._buffer) - len(marker) + 1)
         return start
 
     def _examine(self, start: int, final: bool) -> Frame | _Verdict:

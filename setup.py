@@ -1,0 +1,34 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""How the package is built and installed."""
+
+from glob import glob
+
+from setuptools import find_packages, setup
+
+PACKAGE = 'bahrs_driver'
+
+setup(
+    name=PACKAGE,
+    version='0.1.0',
+    packages=find_packages(include=[PACKAGE, f'{PACKAGE}.*']),
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),
+        (f'share/{PACKAGE}', ['package.xml']),
+        (f'share/{PACKAGE}/config', glob('config/*')),
+        (f'share/{PACKAGE}/launch', glob('launch/*')),
+    ],
+    install_requires=['numpy', 'pyserial', 'rich', 'setuptools'],
+    python_requires='>=3.10',
+    zip_safe=True,
+    maintainer='The bahrs_driver authors',
+    maintainer_email='maintainers@bahrs-driver.invalid',
+    description='Driver for the BAHRS and Titan-M sensors of unmanned aircraft.',
+    license='Apache-2.0',
+    entry_points={
+        'console_scripts': [
+            'bahrs = bahrs_driver.cli.main:main',
+            'driver_node = bahrs_driver.node:main',
+        ],
+    },
+)

@@ -1,0 +1,9 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""What holds for all tests: a ROS domain of their own, and this machine only."""
+
+import os
+
+# Domains above 101 collide with ports that the system gives away.
+os.environ['ROS_DOMAIN_ID'] = str(1 + os.getpid() % 100)
+os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'

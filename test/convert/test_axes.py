@@ -1,0 +1,82 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the change of axes, against values worked out by hand."""
+
+import math
+
+from bahrs_driver.convert.axes import (
+    CONVENTIONS, enu, enu_diagonal, flu, flu_to_enu, Quaternion, quaternion_from_euler,
+)
+from hypothesis import given, settings, strategies as st
+import pytest
+
+angles = st.floats(-math.pi, math.pi)
+
+
+def euler_degrees(quaternion: Quaternion) -> tuple[float, float, float]:
+    """Return roll, pitch and yaw by the textbook formula."""
+    w, x, y, z = quaternion
+    return tuple(map(math.degrees, (
+        math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
+        math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x)))),
+        math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))))
+
+
+def rotate(quaternion: Quaternion, vector: tuple[float, float, float]) -> list[float]:
+    """Return the vector turned by the quaternion, as q v q*."""
+    w, x, y, z = quaternion
+    a, b, c = vector
+    return [
+        (1 - 2 * (y * y + z * z)) * a + 2 * (x * y - w * z) * b + 2 * (x * z + w * y) * c,
+        2 * (x * y + w * z) * a + (1 - 2 * (x * x + z * z)) * b + 2 * (y * z - w * x) * c,
+        2 * (x * z - w * y) * a + 2 * (y * z + w * x) * b + (1 - 2 * (x * x + y * y)) * c]
+
+
+@pytest.mark.parametrize('ned, expected', [
+    ((10, 20, 30), (10, -20, 60)),
+    ((0, 0, 0), (0, 0, 90)),
+    ((0, 0, 90), (0, 0, 0)),
+    ((0, 0, 180), (0, 0, -90)),
+    ((0, 0, 270), (0, 0, 180)),
+    ((-45, 0, 90), (-45, 0, 0)),
+    ((0, 60, 90), (0, -60, 0)),
+])
+def test_attitude_in_ned_becomes_attitude_in_enu(ned, expected):
+    """Roll stays, pitch changes its sign, yaw counts from east against the clock."""
+    quaternion = flu_to_enu(quaternion_from_euler(*map(math.radians, ned)))
+    found = euler_degrees(quaternion)
+    for a, b in zip(found, expected):
+        assert math.remainder(a - b, 360) == pytest.approx(0, abs=1e-9)
+
+
+@settings(derandomize=True, deadline=None)
+@given(angles, angles, angles, st.tuples(*[st.floats(-10, 10)] * 3))
+def test_a_body_vector_reaches_the_same_place_either_way(roll, pitch, yaw, vector):
+    """Turning in NED and renaming the axes is renaming the axes and turning in ENU."""
+    quaternion = quaternion_from_euler(roll, pitch, yaw)
+    through_ned = enu(tuple(rotate(quaternion, vector)))
+    through_enu = rotate(flu_to_enu(quaternion), flu(vector))
+    assert through_enu == pytest.approx(through_ned, abs=1e-9)
+
+
+@settings(derandomize=True, deadline=None)
+@given(angles, angles, angles)
+def test_quaternions_have_unit_length(roll, pitch, yaw):
+    """In both conventions."""
+    for convention in CONVENTIONS.values():
+        quaternion = convention.orientation(quaternion_from_euler(roll, pitch, yaw))
+        assert sum(part * part for part in quaternion) == pytest.approx(1)
+
+
+def test_vectors():
+    """Forward, right, down becomes forward, left, up; north, east, down becomes east, north, up."""
+    assert flu((1.0, 2.0, 3.0)) == (1.0, -2.0, -3.0)
+    assert enu((1.0, 2.0, 3.0)) == (2.0, 1.0, -3.0)
+    assert enu_diagonal((1.0, None, 3.0)) == (None, 1.0, 3.0)
+
+
+def test_ned_leaves_all_as_it_is():
+    """The device's own axes."""
+    ned, vector, turn = CONVENTIONS['ned'], (1.0, 2.0, 3.0), Quaternion(0.5, 0.5, -0.5, 0.5)
+    assert (ned.body(vector), ned.world(vector), ned.diagonal(vector)) == (vector,) * 3
+    assert ned.orientation(turn) == turn
