@@ -1,0 +1,162 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Every parameter of the node, in one table.
+
+The table is what the node declares, what `ros2 param describe` tells, and what the README shows.
+All parameters are read once, at the start.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+import math
+from typing import Any
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.node import Node
+
+Value = str | int | float | bool
+
+_TYPE_NAMES = {bool: 'true or false', int: 'a whole number', float: 'a decimal number',
+               str: 'a text'}
+
+
+class ParameterError(Exception):
+    """A parameter cannot be used. The text names it, its value, and what would be valid."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One row of the table. The default also gives the type."""
+
+    name: str
+    default: Value
+    description: str
+    unit: str = ''
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[str, ...] = ()
+
+    @property
+    def valid(self) -> str:
+        """What values are valid, in words."""
+        unit = self.unit and ' ' + self.unit
+        if self.choices:
+            return ' or '.join(repr(choice) for choice in self.choices)
+        if self.low is not None:
+            return f'{_TYPE_NAMES[type(self.default)]} from {self.low} to {self.high}{unit}'
+        if self.default and isinstance(self.default, str):
+            return f'a text such as {self.default!r}'
+        return _TYPE_NAMES[type(self.default)]
+
+    def check(self, value: Any) -> None:
+        """Raise ParameterError unless the value is valid."""
+        good = type(value) is type(self.default)
+        if good and self.choices:
+            good = value in self.choices
+        elif good and self.low is not None and self.high is not None:
+            good = math.isfinite(value) and self.low <= value <= self.high
+        elif good and isinstance(self.default, str):
+            good = bool(value)
+        if not good:
+            raise ParameterError(f'parameter {self.name} is {value!r}: it must be {self.valid}')
+
+    def descriptor(self) -> ParameterDescriptor:
+        """Return what rclpy wants to know of the parameter."""
+        unit = f' [{self.unit}]' if self.unit else ''
+        descriptor = ParameterDescriptor(
+            name=self.name, description=self.description + unit, read_only=True,
+            additional_constraints=f'must be {self.valid}' if self.choices else '')
+        if isinstance(self.default, float) and self.low is not None and self.high is not None:
+            descriptor.floating_point_range = [
+                FloatingPointRange(from_value=float(self.low), to_value=float(self.high))]
+        elif isinstance(self.default, int) and self.low is not None and self.high is not None:
+            descriptor.integer_range = [
+                IntegerRange(from_value=int(self.low), to_value=int(self.high), step=1)]
+        return descriptor
+
+
+PARAMETERS = (
+    Parameter('sensor', 'bahrs', 'Which device is on the port.', choices=('bahrs',)),
+    Parameter('port', '/dev/ttyUSB0',
+              'Serial port: a path, or a pyserial URL such as socket://host:4001.'),
+    Parameter('baud_rate', 115200, 'Speed of the serial line. Always 8N1.', 'baud',
+              low=1200, high=4000000),
+    Parameter('frame_id', 'imu_link', 'Frame of the sensor, in which body vectors are given.'),
+    Parameter('world_frame_id', 'map',
+              'Frame of altitude/pose and velocity, level with its z axis vertical.'),
+    Parameter('frame_convention', 'enu',
+              'Axes of what is published: enu for body forward, left, up and world east, north, '
+              'up (REP-103); ned for body forward, right, down and world north, east, down.',
+              choices=('enu', 'ned')),
+    Parameter('stddev.specific_force', 0.01,
+              'Standard deviation of each component of the specific force. The default is what '
+              'a device at rest shows; a vibrating airframe needs more.', 'm/s^2',
+              low=0.0, high=100.0),
+    Parameter('stddev.angular_rate', 0.0005,
+              'Standard deviation of each component of the angular rate. The default is what a '
+              'device at rest shows.', 'rad/s', low=0.0, high=10.0),
+    Parameter('stddev.pressure_height', 1.0, 'Standard deviation of the pressure height.', 'm',
+              low=0.0, high=1000.0),
+    Parameter('stddev.velocity', 0.2, 'Standard deviation of the vertical velocity.', 'm/s',
+              low=0.0, high=100.0),
+    Parameter('magnetic_field.declination', 0.0,
+              'Magnetic declination, positive east. It is added to the magnetic heading to give '
+              'the yaw of imu/data; the topic heading stays magnetic.', 'degree',
+              low=-180.0, high=180.0),
+    Parameter('magnetic_field.strength', 50e-6,
+              'Strength of the magnetic field that imu/mag is derived with.', 'T',
+              low=0.0, high=1e-3),
+    Parameter('magnetic_field.dip', 0.0,
+              'Dip of the magnetic field that imu/mag is derived with, positive downward; 0 gives '
+              'a horizontal field.', 'degree', low=-90.0, high=90.0),
+    Parameter('publish.derived_magnetic_field', True,
+              'Whether to publish imu/mag for a device that reports a heading but no field.'),
+    Parameter('pressure_height.format', 'uint16',
+              'How the pressure height stands on the wire. Devices send uint16; int16 is what '
+              'the protocol document says.', choices=('uint16', 'int16')),
+    Parameter('crc_order', 'auto',
+              'Order in which the CRC of a frame takes its bytes: 32-bit words, as devices do, '
+              'or single bytes, as the protocol document says.',
+              choices=('auto', 'word', 'byte')),
+)
+
+
+def declare(node: Node) -> Mapping[str, Any]:
+    """
+    Declare all parameters on a node and return their values; ParameterError if one is bad.
+
+    The node must have been made with automatically_declare_parameters_from_overrides, so that
+    what the user gave can be looked at before rclpy judges it in its own words.
+    """
+    return {parameter.name: _declare_one(node, parameter) for parameter in PARAMETERS}
+
+
+def unknown_names(node: Node) -> list[str]:
+    """Return a sentence for each parameter that the user gave and that does not exist."""
+    known = [parameter.name for parameter in PARAMETERS]
+    sentences = []
+    for name in sorted(node.get_parameters_by_prefix('')):
+        if name not in known and not _belongs_to_ros(name):
+            near = get_close_matches(name, known, n=1)
+            hint = f', did you mean {near[0]}?' if near else ''
+            sentences.append(f'parameter {name} does not exist and has no effect{hint}')
+    return sentences
+
+
+def _declare_one(node: Node, parameter: Parameter) -> Any:
+    value: Any = parameter.default
+    if node.has_parameter(parameter.name):
+        value = node.get_parameter(parameter.name).value
+        node.undeclare_parameter(parameter.name)
+    if isinstance(parameter.default, float) and type(value) is int:
+        value = float(value)
+    parameter.check(value)
+    node.declare_parameter(parameter.name, value, parameter.descriptor(), ignore_override=True)
+    return value
+
+
+def _belongs_to_ros(name: str) -> bool:
+    return name.startswith('qos_overrides.') or name in (
+        'use_sim_time', 'start_type_description_service')
