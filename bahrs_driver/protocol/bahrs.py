@@ -14,8 +14,18 @@ from typing import ClassVar, Literal
 
 from bahrs_driver.protocol.integrity import Health
 from bahrs_driver.protocol.layout import (
-    block, deviation, integer, integers, integrity_fields, Layout, scaled, text, valid_flags,
-    Vector, vector, wire,
+    block,
+    deviation,
+    integer,
+    integers,
+    integrity_fields,
+    Layout,
+    scaled,
+    text,
+    valid_flags,
+    Vector,
+    vector,
+    wire,
 )
 
 VERSIONS = (1, 2, 3)
@@ -118,7 +128,7 @@ class TimeMessage(BahrsMessage):
 
     @property
     def valid(self) -> bool:
-        """False when both fields are zero, by which the device says that it has no time yet."""
+        """Whether the device has a time yet; both fields are zero if not."""
         return bool(self.reference_sequence or self.device_time_us)
 
 

@@ -8,9 +8,8 @@ The frame of the BAHRS: marker, version, type, payload, padding, checksum.
 There is no length: version and type give it. Stream messages are padded to whole 32-bit words
 with one to four bytes, never none (section 2.2, and so does the device). Their CRC is
 CRC-32/MPEG-2, by the document taken over single bytes, by the device over 32-bit words. Service
-messages come unpadded, 0xF0 and 0xF1 also padded, with CRC-32/MPEG-2 by the document and with
-the ordinary CRC-32 by the device maker's own tool. Every variant is understood: the CRC of each
-frame tells which it is.
+messages come unpadded or padded, with CRC-32/MPEG-2 as the document has it or the ordinary CRC-32
+of the device maker's own tool. Every variant is understood: the CRC of each frame tells which.
 """
 
 import struct
@@ -100,7 +99,7 @@ class BahrsFormat:
         """Return version and type, as text, of an intact frame of a type that is not known."""
         if len(frame) < frame_size(0, padded=False):
             return None
-        if not self._first_passing(frame, ['word', 'byte', 'crc32']):
+        if not self._first_passing(frame, [*self._orders, 'crc32']):
             return None
         _, version, message_type = HEADER.unpack_from(frame)
         return f'0x{message_type:02X}' if version in VERSIONS \

@@ -18,7 +18,7 @@ What the framer knows is in its return values and its counters. At any time
     bytes received = bytes of frames + bytes of unknown frames + skipped bytes + pending bytes
 """
 
-from collections import Counter
+from collections import Counter, deque
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import NamedTuple, Protocol
@@ -42,11 +42,11 @@ class FrameFormat(Protocol):
 
     @property
     def marker(self) -> bytes:
-        """The bytes that every frame begins with."""
+        """Bytes that every frame begins with."""
 
     @property
     def header_size(self) -> int:
-        """How many bytes, marker included, tell the size of a frame."""
+        """Number of bytes, marker included, that tell the size of a frame."""
 
     def sizes(self, header: bytes) -> tuple[int, ...]:
         """Return the sizes that a frame with this header may have, ascending; none if unknown."""
@@ -94,7 +94,7 @@ class Framer:
         self._buffer_offset = 0         # of the first byte held, in the stream
         self._gap = 0                   # index of the first byte that belongs to no frame
         self._search = 0                # index from which the next marker is looked for
-        self._strangers: list[int] = []     # indices of candidates of unknown type in the gap
+        self._strangers: deque[int] = deque()   # indices of candidates of unknown type in the gap
 
     @property
     def received(self) -> int:
@@ -154,14 +154,17 @@ class Framer:
         for size in sizes:
             data = bytes(self._buffer[start:start + size])
             if len(data) < size:
-                return _Verdict.REJECTED if final else _Verdict.INCOMPLETE
+                if not final:
+                    return _Verdict.INCOMPLETE
+                break
             checksum = self._format.passing_checksum(data)
             if checksum:
                 return Frame(self._buffer_offset + start, data, checksum)
-        if sizes:
-            self.counters.crc_failures += 1
-        else:
+        self._end_stranger(start)
+        if not sizes:
             self._strangers.append(start)
+        elif len(data) == size:
+            self.counters.crc_failures += 1
         return _Verdict.REJECTED
 
     def _accept(self, start: int, frame: Frame) -> None:
@@ -172,25 +175,41 @@ class Framer:
 
     def _close_gap(self, end: int) -> None:
         """Account for the bytes from the gap's first to end, none of which is in a frame."""
-        starts = [*self._strangers, end]
-        self._strangers = []
-        skipped = end - self._gap
-        for start, stop in zip(starts, starts[1:]):
-            name = self._format.name_unknown(bytes(self._buffer[start:stop]))
+        self._end_stranger(end)
+        self._strangers.clear()
+        self.counters.skipped_bytes += end - self._gap
+        self._gap = end
+
+    def _end_stranger(self, end: int) -> None:
+        """
+        Count the frame of unknown type that ends here, if one does.
+
+        It began at the oldest candidate if its payload holds what looks like markers, at the
+        latest if what came before it is noise.
+        """
+        self._forget_strangers(end)
+        starts = {self._strangers[0], self._strangers[-1]} if self._strangers else set()
+        for start in sorted(starts):
+            name = self._format.name_unknown(bytes(self._buffer[start:end]))
             if name:
                 self.counters.unknown_types[name] += 1
-                self.counters.unknown_bytes += stop - start
-                skipped -= stop - start
-        self.counters.skipped_bytes += skipped
-        self._gap = end
+                self.counters.unknown_bytes += end - start
+                self.counters.skipped_bytes += start - self._gap
+                self._gap = end
+                self._strangers.clear()
+                return
+
+    def _forget_strangers(self, position: int) -> None:
+        """Give up the candidates that lie too far before a position."""
+        while self._strangers and position - self._strangers[0] > self._longest_gap:
+            self._strangers.popleft()
 
     def _drop_rejected(self) -> None:
         """Let go of what can be in no frame any more."""
+        self._forget_strangers(self._search)
         keep = self._strangers[0] if self._strangers else self._search
-        if self._search - keep > self._longest_gap:
-            self._close_gap(self._search)
-            keep = self._search
         self.counters.skipped_bytes += keep - self._gap
+        self._gap = keep
         self._drop(keep)
 
     def _drop(self, count: int) -> None:
@@ -198,4 +217,5 @@ class Framer:
         self._buffer_offset += count
         self._search = max(0, self._search - count)
         self._gap = max(0, self._gap - count)
-        self._strangers = [index - count for index in self._strangers]
+        if count:
+            self._strangers = deque(index - count for index in self._strangers)

@@ -27,7 +27,7 @@ class Integrity(IntEnum):
 
     @property
     def label(self) -> str:
-        """The name as it appears in text output: ``safe``, ``integrity_risk``, ..."""
+        """Name as it appears in text output: ``safe``, ``integrity_risk``, ..."""
         return self.name.lower()
 
 
@@ -42,6 +42,8 @@ def two_bit_fields(count: int) -> tuple[Callable[[int], Health], Callable[[Healt
         return tuple(Integrity(word >> 2 * i & 0b11) for i in range(count))
 
     def encode(health: Health) -> int:
+        if len(health) != count:
+            raise ValueError(f'{count} signals needed')
         return sum(integrity << 2 * i for i, integrity in enumerate(health))
 
     return decode, encode
@@ -59,6 +61,8 @@ def valid_bits(count: int) -> tuple[Callable[[int], Health], Callable[[Health], 
         return tuple(Integrity(bits >> i & 1) for i in range(count))
 
     def encode(health: Health) -> int:
+        if len(health) != count:
+            raise ValueError(f'{count} signals needed')
         return sum((integrity is Integrity.SAFE) << i for i, integrity in enumerate(health))
 
     return decode, encode

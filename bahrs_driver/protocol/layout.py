@@ -11,6 +11,7 @@ it, so that they cannot disagree.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
+from operator import index
 import struct
 from typing import Any, Generic, TypeVar
 
@@ -37,7 +38,7 @@ def _same(value: Any) -> Any:
 
 def integer(code: str, unit: str = '') -> Row:
     """Return the row of a whole number that stands for itself."""
-    return Row(code, _same, int, unit=unit)
+    return Row(code, _same, index, unit=unit)
 
 
 def scaled(code: str, scale: float, unit: str, offset: float = 0.0) -> Row:
@@ -59,7 +60,9 @@ def deviation(code: str, scale: float, unit: str) -> Row:
         return raw * scale if raw else None
 
     def encode(value: float | None) -> int:
-        return 0 if value is None else round(value / scale)
+        if value is None:
+            return 0
+        return round(value / scale) or int(value > 0)
 
     return Row(code, decode, encode, unit=unit)
 
@@ -169,7 +172,7 @@ def _pack(name: str, row: Row, packer: struct.Struct, value: Any) -> bytes:
     try:
         raw = row.encode(value)
         return packer.pack(raw) if row.count == 1 else packer.pack(*raw)
-    except (struct.error, ValueError, OverflowError) as error:
+    except (struct.error, TypeError, ValueError, OverflowError) as error:
         unit = row.unit and ' ' + row.unit
         raise ValueError(f'{name}: {value}{unit} does not fit its field ({error})') from error
 
