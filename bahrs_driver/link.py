@@ -16,9 +16,8 @@ import termios
 import time
 from typing import NamedTuple
 
-import serial
-
 from bahrs_driver.clock import byte_time_ns
+import serial
 
 READ_TIMEOUT = 0.5      # s; bounds how long a closed-down link may hold its reader
 WRITE_TIMEOUT = 1.0     # s
@@ -67,7 +66,7 @@ class Link:
         no_rate = self._is_url or name.startswith(_NO_LINE_RATE)
         return 0 if no_rate else byte_time_ns(self.baud_rate)
 
-    def open(self) -> None:
+    def connect(self) -> None:
         """Open the port for this process alone. LinkError says why it cannot be."""
         try:
             self._serial.open()

@@ -39,13 +39,13 @@ class Listener(Protocol):
     """Who is told what happens on the link. Called on the receiver's thread."""
 
     def link_opened(self) -> None:
-        """The port was opened; what comes next has nothing to do with what came before."""
+        """Take note that the port was opened, and that another stream begins."""
 
     def link_failed(self, reason: str) -> None:
-        """The port cannot be opened, or was lost. Told once for every reason."""
+        """Take note why the port cannot be opened, or was lost; told once for every reason."""
 
     def received(self, batch: list[Received]) -> None:
-        """Frames were completed by one read."""
+        """Take the messages that one read completed."""
 
 
 @dataclass
@@ -61,12 +61,11 @@ class LinkCounters:
     last_error: str = ''                    # the latest of all
 
 
-class Receiver(threading.Thread):
+class Receiver:
     """Reads a link until stopped, and tells a listener of all that it makes of it."""
 
     def __init__(self, link: Link, framer: Framer, codec: Codec, listener: Listener) -> None:
-        """Take the parts; start() begins."""
-        super().__init__(name='receiver', daemon=True)
+        """Take the parts; run() begins."""
         self.counters = LinkCounters()
         self._link = link
         self._framer = framer
@@ -79,13 +78,12 @@ class Receiver(threading.Thread):
         self._stopping = threading.Event()
 
     def stop(self) -> None:
-        """End the thread and close the port."""
+        """Make run() return soon, the port closed. To be called from another thread."""
         self._stopping.set()
         self._link.cancel_read()
-        self.join()
 
     def run(self) -> None:
-        """Keep the port open and read it."""
+        """Keep the port open and read it, until stopped."""
         while not self._stopping.is_set():
             try:
                 self._open()
@@ -98,11 +96,12 @@ class Receiver(threading.Thread):
                 self._link.close()
 
     def _open(self) -> None:
-        self._link.open()
+        self._link.connect()
         self._clock = ArrivalClock(self._link.byte_time_ns)
         self.counters.open_since = time.monotonic()
         self.counters.times_opened += 1
         self.counters.error = ''
+        self._absence_told = False
         self._listener.link_opened()
 
     def _read_on(self) -> None:

@@ -1,0 +1,41 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the arrival clock, with literal pairs."""
+
+from bahrs_driver.clock import ArrivalClock, byte_time_ns
+import pytest
+
+
+@pytest.mark.parametrize('baud_rate, expected', [(115200, 86805), (9600, 1041666), (0, 0)])
+def test_byte_time(baud_rate, expected):
+    """Ten bits a byte; a line without a rate takes no time."""
+    assert byte_time_ns(baud_rate) == expected
+
+
+@pytest.mark.parametrize('read_time, bytes_since, expected', [
+    (5_000_000_000, 24, 4_997_916_680),     # a frame that ends its chunk
+    (5_000_000_000, 48, 4_995_833_360),     # a frame with as many bytes after it
+    (5_000_000_000, 0, 5_000_000_000),
+])
+def test_stamp_is_the_read_less_the_time_on_the_line(read_time, bytes_since, expected):
+    """From the frame's first byte to the chunk's last."""
+    assert ArrivalClock(86805).stamp(read_time, bytes_since) == expected
+
+
+def test_without_a_line_rate_the_stamp_is_the_read():
+    """As on native USB and networks."""
+    assert ArrivalClock(0).stamp(5_000_000_000, 4096) == 5_000_000_000
+
+
+def test_stamps_increase_strictly():
+    """Also when two chunks come in quick succession, or frames have the same time."""
+    clock = ArrivalClock(100)
+    pairs = [(1000, 5), (1001, 9), (1001, 9), (5000, 0)]
+    assert [clock.stamp(*pair) for pair in pairs] == [500, 501, 502, 5000]
+
+
+def test_a_host_clock_that_is_set_back_is_followed():
+    """By more than a second; holding would part us from all other nodes."""
+    clock = ArrivalClock(0)
+    pairs = [(9_000_000_000, 0), (7_000_000_000, 0), (7_000_000_001, 0)]
+    assert [clock.stamp(*pair) for pair in pairs] == [time for time, _ in pairs]

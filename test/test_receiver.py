@@ -1,0 +1,200 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the receiving thread, on a link that is a script."""
+
+import contextlib
+import threading
+import time
+
+from bahrs_driver import receiver as receiver_module
+from bahrs_driver.link import LinkError, Reading
+from bahrs_driver.protocol.bahrs import NavigationTime, SyncPulseTime
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.receiver import Receiver
+import pytest
+
+FRAMES = [BahrsCodec().encode(SyncPulseTime(i, 1000 * i), 3) for i in range(9)]
+GONE = LinkError('port is gone', absent=True)
+MISSING = LinkError('port does not exist', absent=True)
+FORBIDDEN = LinkError('port may not be opened')
+BUSY = LinkError('port is in use')
+
+
+class ScriptedLink:
+    """A link whose openings and readings are given beforehand; it ends the receiver at the end."""
+
+    byte_time_ns = 1000
+
+    def __init__(self, openings):
+        """Take for each opening an error, or the chunks to read until the port is lost."""
+        self._openings = iter(openings)
+        self._chunks = iter(())
+        self.closed = 0
+        self.done = threading.Event()
+
+    def connect(self):
+        """Fail or open, as the script says."""
+        opening = next(self._openings, None)
+        if opening is None:
+            self.done.set()
+            raise LinkError('end of the script')
+        if isinstance(opening, LinkError):
+            raise opening
+        self._chunks = iter(opening)
+
+    def read(self):
+        """Return the next chunk, at a time that tells which it is."""
+        chunk = next(self._chunks, GONE)
+        if isinstance(chunk, LinkError):
+            raise chunk
+        return Reading(chunk, 10_000_000) if chunk else None
+
+    def cancel_read(self):
+        """Nothing waits here."""
+
+    def close(self):
+        """Count."""
+        self.closed += 1
+
+
+class Diary:
+    """Writes down what it is told."""
+
+    def __init__(self):
+        """Begin with nothing."""
+        self.entries = []
+
+    def link_opened(self):
+        """Note it."""
+        self.entries.append('opened')
+
+    def link_failed(self, reason):
+        """Note why."""
+        self.entries.append(reason)
+
+    def received(self, batch):
+        """Note the sequence numbers, and keep all of it."""
+        self.entries.append([received.message.sequence for received in batch])
+        self.last = batch
+
+
+@contextlib.contextmanager
+def running(receiver):
+    """Let the receiver run in a thread for the length of a block."""
+    thread = threading.Thread(target=receiver.run)
+    thread.start()
+    try:
+        yield
+    finally:
+        receiver.stop()
+        thread.join()
+
+
+@pytest.fixture
+def play(monkeypatch):
+    """Give a function that plays a script to its end and returns diary and receiver."""
+    monkeypatch.setattr(receiver_module, 'FIRST_PAUSE', 0.001)
+    monkeypatch.setattr(receiver_module, 'LONGEST_PAUSE', 0.002)
+
+    def run(*openings):
+        link, diary = ScriptedLink(openings), Diary()
+        receiver = Receiver(link, Framer(BahrsFormat()), BahrsCodec(), diary)
+        with running(receiver):
+            assert link.done.wait(5)
+        assert link.closed
+        return diary, receiver
+
+    return run
+
+
+def test_frames_of_one_read_come_together(play):
+    """Decoded, in order."""
+    diary, _ = play([FRAMES[0] + FRAMES[1], b'', FRAMES[2]])
+    assert diary.entries[:3] == ['opened', [0, 1], [2]]
+
+
+def test_stamps_count_back_from_the_end_of_the_read(play):
+    """Each by the bytes from its first on: two frames of 20 bytes and three bytes of a third."""
+    diary, _ = play([FRAMES[0] + FRAMES[1] + FRAMES[2][:3]])
+    size = len(FRAMES[0])
+    assert [received.stamp_ns for received in diary.last] == [
+        10_000_000 - 1000 * (2 * size + 3), 10_000_000 - 1000 * (size + 3)]
+
+
+def test_a_frame_cut_in_two_is_stamped_from_its_first_byte(play):
+    """The second read completes it, and all its bytes have been on the line by then."""
+    diary, _ = play([FRAMES[0][:7], FRAMES[0][7:]])
+    assert diary.last[0].stamp_ns == 10_000_000 - 1000 * len(FRAMES[0])
+
+
+def test_a_lost_port_is_opened_again(play):
+    """And what it sends is received."""
+    diary, receiver = play([FRAMES[0]], [FRAMES[1]], [FRAMES[2]])
+    assert diary.entries[:8] == [
+        'opened', [0], 'port is gone', 'opened', [1], 'port is gone', 'opened', [2]]
+    assert receiver.counters.times_opened == 3
+
+
+def test_the_same_reason_is_told_once(play):
+    """However often the port is tried."""
+    diary, _ = play(*[BUSY] * 5, [FRAMES[0]], *[BUSY] * 3)
+    assert diary.entries[:5] == ['port is in use', 'opened', [0], 'port is gone', 'port is in use']
+
+
+def test_a_port_that_is_gone_need_not_be_told_to_be_missing(play):
+    """It is the same thing; another reason is told."""
+    diary, receiver = play([FRAMES[0]], MISSING, MISSING, FORBIDDEN, MISSING, [FRAMES[1]])
+    assert diary.entries[:7] == [
+        'opened', [0], 'port is gone', 'port may not be opened', 'port does not exist',
+        'opened', [1]]
+
+
+def test_half_a_frame_does_not_spoil_the_next_stream(play):
+    """What was begun before the cable was pulled is dropped."""
+    diary, receiver = play([FRAMES[0][:11]], [FRAMES[1]])
+    assert diary.entries[:4] == ['opened', 'port is gone', 'opened', [1]]
+
+
+def test_an_intact_frame_behind_half_a_frame_is_not_lost_with_the_cable(play):
+    """It was complete; only the half one before it hid it."""
+    half = BahrsCodec().encode(NavigationTime(1, 2, 3), 3)[:9]
+    long_half = b'NE\x03\x00\xf3' + half[5:]
+    diary, _ = play([long_half + FRAMES[4]])
+    assert diary.entries[:3] == ['opened', [4], 'port is gone']
+
+
+def test_counters(play):
+    """Bytes, reads, and why the port is not open."""
+    _, receiver = play([FRAMES[0], FRAMES[1]], BUSY)
+    counters = receiver.counters
+    assert counters.bytes_received == len(FRAMES[0]) + len(FRAMES[1])
+    assert counters.reads == 2
+    assert counters.open_since is None
+    assert counters.last_data is not None
+
+
+def test_pauses_grow_and_are_bounded(monkeypatch):
+    """From the first to the longest, doubling."""
+    pauses = []
+    link, diary = ScriptedLink([BUSY] * 7), Diary()
+    receiver = Receiver(link, Framer(BahrsFormat()), BahrsCodec(), diary)
+
+    class Watch(threading.Event):
+        def wait(self, timeout=None):
+            pauses.append(timeout)
+            return super().wait(0)
+
+    monkeypatch.setattr(receiver, '_stopping', Watch())
+    with running(receiver):
+        assert link.done.wait(5)
+    assert pauses[:7] == pytest.approx([0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0])
+
+
+def test_stopping_does_not_wait_for_the_pause():
+    """A missing port must not hold up the end."""
+    link, diary = ScriptedLink([BUSY] * 1000), Diary()
+    receiver = Receiver(link, Framer(BahrsFormat()), BahrsCodec(), diary)
+    with running(receiver):
+        begin = time.monotonic()
+    assert time.monotonic() - begin < 2
