@@ -9,11 +9,10 @@ A Monitor is asked once a second; it judges what happened since it was asked bef
 from collections.abc import Callable, Mapping
 import time
 
-from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
-
 from bahrs_driver.link import Link
 from bahrs_driver.protocol.framing import Framer, FramingCounters
 from bahrs_driver.receiver import LinkCounters, Receiver
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 

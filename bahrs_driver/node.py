@@ -3,24 +3,27 @@
 """The node: it wires the parts together, and nothing else."""
 
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+import signal
 import sys
+from threading import Event
 from typing import Any
-
-from diagnostic_msgs.msg import DiagnosticArray
-import rclpy
-from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError
-from rclpy.executors import ExternalShutdownException
-from rclpy.node import Node
-from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile
-from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
-from rclpy.utilities import remove_ros_args
 
 from bahrs_driver.diagnostics import Monitor
 from bahrs_driver.link import Link
 from bahrs_driver.parameters import declare, ParameterError, unknown_names
 from bahrs_driver.receiver import Received, Receiver
 from bahrs_driver.sensors import SENSORS
+from diagnostic_msgs.msg import DiagnosticArray
+import rclpy
+from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
 
 QUEUE_DEPTH = 100               # half a second of the fastest topic
 DIAGNOSTICS_PERIOD = 1.0        # s
@@ -30,7 +33,7 @@ class DriverNode(Node):
     """Publishes what a sensor on a serial port says, and how the link to it is doing."""
 
     def __init__(self) -> None:
-        """Read the parameters, make the publishers and start to receive; ParameterError."""
+        """Read the parameters and make the parts; ParameterError if one is bad."""
         super().__init__('bahrs_driver', automatically_declare_parameters_from_overrides=True)
         settings = declare(self)
         for sentence in unknown_names(self):
@@ -40,16 +43,10 @@ class DriverNode(Node):
                       for topic, message_type in self._sensor.topics.items()}
         self._diagnostics = self._publisher(DiagnosticArray, '/diagnostics')
         link = _link(settings)
-        self._receiver = Receiver(link, self._sensor.framer, self._sensor.codec, self)
-        self._monitor = Monitor(link, self._receiver, self._sensor.framer, self._sensor.protocol)
+        self.receiver = Receiver(link, self._sensor.framer, self._sensor.codec, self)
+        self._monitor = Monitor(link, self.receiver, self._sensor.framer, self._sensor.protocol)
         self._port = link.port
-        self._receiver.start()
         self.create_timer(DIAGNOSTICS_PERIOD, self._report)
-
-    def destroy_node(self) -> None:
-        """Stop receiving, then destroy."""
-        self._receiver.stop()
-        super().destroy_node()
 
     def link_opened(self) -> None:
         """Note that another stream begins."""
@@ -66,7 +63,7 @@ class DriverNode(Node):
         """Publish what the messages of one read become."""
         for message, _, stamp_ns in batch:
             for topic, outgoing in self._sensor.converter.convert(message, stamp_ns):
-                self._publish(self._data[topic], outgoing)
+                self._data[topic].publish(outgoing)
 
     def _report(self) -> None:
         self._monitor.update()
@@ -75,14 +72,7 @@ class DriverNode(Node):
     def _publish_diagnostics(self) -> None:
         array = DiagnosticArray(status=self._monitor.statuses())
         array.header.stamp = self.get_clock().now().to_msg()
-        self._publish(self._diagnostics, array)
-
-    def _publish(self, publisher: Publisher, message: Any) -> None:
-        try:
-            publisher.publish(message)
-        except RCLError:
-            if self.context.ok():       # otherwise a signal ended ROS under our feet
-                raise
+        self._diagnostics.publish(array)
 
     def _publisher(self, message_type: type, topic: str) -> Publisher:
         try:
@@ -102,23 +92,41 @@ def _link(settings: Mapping[str, Any]) -> Link:
 
 def main(args: list[str] | None = None) -> int:
     """Run the node until a signal ends it; the exit status is not 0 if it could not start."""
-    node = None
+    ended = Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: ended.set())
     try:
         _check_words(remove_ros_args(sys.argv if args is None else args)[1:])
-        rclpy.init(args=args)
-        node = DriverNode()
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        _run(ended)
     except (ParameterError, RCLError, RCLInvalidROSArgsError) as error:
         # What rcl says ends in places of its source.
         print('bahrs_driver:', str(error).split(', at /')[0], file=sys.stderr)
         return 1
     finally:
-        if node is not None:
-            node.destroy_node()
         rclpy.try_shutdown()
     return 0
+
+
+def _run(ended: Event) -> None:
+    """
+    Receive and spin, each in its thread, until ended or until one of them fails.
+
+    The main thread waits for the signal, so that the port is let go while ROS is still whole.
+    """
+    node = DriverNode()
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    with ThreadPoolExecutor(max_workers=2) as pool:
+        threads = [pool.submit(node.receiver.run), pool.submit(executor.spin)]
+        for thread in threads:
+            thread.add_done_callback(lambda _: ended.set())
+        ended.wait()
+        node.receiver.stop()
+        executor.shutdown()
+        for thread in threads:
+            thread.result()
+    node.destroy_node()
 
 
 def _check_words(words: list[str]) -> None:

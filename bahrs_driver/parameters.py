@@ -40,7 +40,7 @@ class Parameter:
 
     @property
     def valid(self) -> str:
-        """What values are valid, in words."""
+        """Values that are valid, in words."""
         unit = self.unit and ' ' + self.unit
         if self.choices:
             return ' or '.join(repr(choice) for choice in self.choices)

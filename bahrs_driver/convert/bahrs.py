@@ -14,16 +14,15 @@ from dataclasses import dataclass
 import math
 from typing import Any, NamedTuple
 
-from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
-from sensor_msgs.msg import FluidPressure, Imu, MagneticField, NavSatFix
-from std_msgs.msg import Float64
-
 from bahrs_driver.convert import atmosphere, covariance, magnetic, ros
 from bahrs_driver.convert.axes import Convention, Quaternion, quaternion_from_euler
 from bahrs_driver.convert.covariance import Matrix
 from bahrs_driver.convert.pairing import Pairing
 from bahrs_driver.protocol.bahrs import Accuracy, Inertial, Navigation
 from bahrs_driver.protocol.layout import Vector
+from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
+from sensor_msgs.msg import FluidPressure, Imu, MagneticField, NavSatFix
+from std_msgs.msg import Float64
 
 TOPICS: dict[str, type] = {
     'imu/data_raw': Imu,

@@ -10,13 +10,12 @@ plane, is known; the covariance is open along the other two.
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from bahrs_driver.convert import covariance
 from bahrs_driver.convert.axes import Convention
 from bahrs_driver.convert.covariance import Matrix
 from bahrs_driver.protocol.layout import Vector
+import numpy as np
+from numpy.typing import NDArray
 
 
 def rotation_to_body(roll: float, pitch: float, heading: float) -> NDArray[np.float64]:

@@ -2,18 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """ROS messages from plain numbers; the only knowledge of message fields there is."""
 
-from geometry_msgs.msg import (
-    PoseWithCovarianceStamped, Quaternion as QuaternionMessage, TwistWithCovarianceStamped,
-    Vector3,
-)
-from sensor_msgs.msg import FluidPressure, Imu, MagneticField, NavSatFix, NavSatStatus
-from std_msgs.msg import Float64, Header
-
 from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.convert import covariance
 from bahrs_driver.convert.axes import Quaternion
 from bahrs_driver.convert.covariance import Matrix
 from bahrs_driver.protocol.layout import Vector
+from geometry_msgs.msg import (
+    PoseWithCovarianceStamped,
+    Quaternion as QuaternionMessage,
+    TwistWithCovarianceStamped,
+    Vector3,
+)
+from sensor_msgs.msg import FluidPressure, Imu, MagneticField, NavSatFix, NavSatStatus
+from std_msgs.msg import Float64, Header
 
 _NAN = float('nan')
 NO_VECTOR: Vector = (_NAN, _NAN, _NAN)

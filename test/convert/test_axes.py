@@ -5,7 +5,13 @@
 import math
 
 from bahrs_driver.convert.axes import (
-    CONVENTIONS, enu, enu_diagonal, flu, flu_to_enu, Quaternion, quaternion_from_euler,
+    CONVENTIONS,
+    enu,
+    enu_diagonal,
+    flu,
+    flu_to_enu,
+    Quaternion,
+    quaternion_from_euler,
 )
 from hypothesis import given, settings, strategies as st
 import pytest
@@ -69,7 +75,7 @@ def test_quaternions_have_unit_length(roll, pitch, yaw):
 
 
 def test_vectors():
-    """Forward, right, down becomes forward, left, up; north, east, down becomes east, north, up."""
+    """Body vectors become forward, left, up; world vectors east, north, up."""
     assert flu((1.0, 2.0, 3.0)) == (1.0, -2.0, -3.0)
     assert enu((1.0, 2.0, 3.0)) == (2.0, 1.0, -3.0)
     assert enu_diagonal((1.0, None, 3.0)) == (None, 1.0, 3.0)

@@ -1,0 +1,247 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node as a process, a pseudo-terminal as the cable, a subscriber in another process."""
+
+import math
+import signal
+import threading
+
+from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.emulator.pty_port import PtyPort
+from bahrs_driver.protocol.bahrs import Accuracy, Inertial, Navigation
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec
+from bahrs_driver.protocol.integrity import Integrity
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from processes import driver, listening, running, wait_for
+import pytest
+from shared_files import shared_file
+
+DIAGNOSTICS = {'/diagnostics': DiagnosticArray}
+PUBLISHED = set(TOPICS)
+
+
+class Device(threading.Thread):
+    """Sends an endless stream of frames, 200 inertial ones a second, until it is stopped."""
+
+    def __init__(self, port, damage=None):
+        """Send on a port; damage may change the bytes of each frame."""
+        super().__init__(daemon=True)
+        self._port, self._damage = port, damage or (lambda data, index: data)
+        self._ended = threading.Event()
+
+    def run(self):
+        """Send until stopped; every second inertial frame is followed by a navigation frame."""
+        codec, safe, index = BahrsCodec(), (Integrity.SAFE,) * 6, 0
+        while not self._ended.wait(0.005):
+            frames = [Inertial(index % 256, (0.0, 0.0, -9.8), (0.0, 0.0, 0.0), safe)]
+            if index % 2 == 0:
+                frames.append(Navigation(index // 2 % 256, 100.0, 0.0, 0.1, 0.2, 0.3, safe[:5]))
+            if index % 20 == 0:
+                frames.append(Accuracy(index // 20 % 256, 0.01, 0.02, 0.03, index * 5000))
+            for frame in frames:
+                self._port.write(self._damage(codec.encode(frame, 3), index))
+            index += 1
+
+    def __enter__(self):
+        """Start."""
+        self.start()
+        return self
+
+    def __exit__(self, *_):
+        """Stop."""
+        self._ended.set()
+        self.join()
+
+
+def status(ear, task):
+    """Return the latest status of a task, or None."""
+    found = [item for array in ear.heard['/diagnostics'] for item in array.status
+             if item.name == f'bahrs_driver: {task}']
+    return found[-1] if found else None
+
+
+def says(ear, task, level, words):
+    """Wait until a task has a level and says the words."""
+    def so():
+        latest = status(ear, task)
+        return latest and latest.level == level and words in latest.message
+    return wait_for(so)
+
+
+@pytest.fixture
+def cable():
+    """Give a port made of a pseudo-terminal."""
+    with PtyPort() as port:
+        yield port
+
+
+def test_all_topics_in_another_process(cable):
+    """Values, axes, frames and stamps of each."""
+    with listening(TOPICS) as ear, driver(cable.path), Device(cable):
+        for topic in TOPICS:
+            ear.wait(topic, 3)
+        ear.wait('imu/data_raw', 200)
+        raw, imu = ear.heard['imu/data_raw'][-1], ear.heard['imu/data'][-1]
+        assert raw.linear_acceleration.z == pytest.approx(9.8, abs=1e-3)
+        assert raw.orientation_covariance[0] == -1
+        assert imu.header.frame_id == 'imu_link'
+        assert imu.orientation_covariance[0] == pytest.approx(4e-4, rel=0.01)
+        assert ear.heard['heading'][-1].data == pytest.approx(math.degrees(0.3), abs=0.01)
+        stamps = [message.header.stamp for message in ear.heard['imu/data_raw']]
+        times = [stamp.sec * 10**9 + stamp.nanosec for stamp in stamps]
+        assert times == sorted(set(times))
+        joined = {(m.header.stamp.sec, m.header.stamp.nanosec) for m in ear.heard['imu/data'][5:]}
+        assert joined <= {(stamp.sec, stamp.nanosec) for stamp in stamps}
+
+
+def test_ned_by_parameter(cable):
+    """Forward, right, down: gravity's reaction points up, which is negative."""
+    with listening(TOPICS) as ear, driver(cable.path, frame_convention='ned', frame_id='frd'), \
+            Device(cable):
+        imu = ear.wait('imu/data_raw')[-1]
+        assert imu.linear_acceleration.z == pytest.approx(-9.8, abs=1e-3)
+        assert imu.header.frame_id == 'frd'
+
+
+def test_signal_ends_it_cleanly(cable):
+    """Exit status 0, nothing printed but that the port is open."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        with listening(TOPICS) as ear, driver(cable.path) as node, Device(cable):
+            ear.wait('imu/data')
+            assert node.end(number) == 0
+            assert len(node.lines) == 1 and f'{cable.path} is open' in node.text
+
+
+@pytest.mark.parametrize('words, sentence', [
+    (['-p', 'baud_rate:=fast'], "parameter baud_rate is 'fast': it must be a whole number"),
+    (['-p', 'frame_convention:=nwu'], "parameter frame_convention is 'nwu': it must be 'enu'"),
+    (['-p', 'stddev.velocity:=-1'], 'parameter stddev.velocity is -1.0: it must be a decimal'),
+    (['-p', 'port:=foo://bar'], "parameter port is 'foo://bar': invalid URL, protocol 'foo'"),
+    (['-p', 'port'], "Couldn't parse parameter override rule: '-p port'"),
+    (['--params-file', 'nowhere.yaml'], 'Error opening YAML file'),
+    (['-p', 'qos_overrides./imu/data.publisher.reliability:=best'],
+     'qos_overrides of imu/data cannot be used'),
+])
+def test_a_bad_parameter_ends_the_start_with_one_sentence(words, sentence):
+    """The exit status is not 0, and there is no traceback."""
+    with running('driver_node', '--ros-args', *words) as node:
+        assert node.wait() == 1
+        assert len(node.lines) == 1 and sentence in node.text
+
+
+def test_words_that_are_no_ros_arguments_are_refused():
+    """They would have no effect otherwise."""
+    with running('driver_node', '--port', '/dev/ttyUSB0') as node:
+        assert node.wait() == 1
+        assert "'--port' is not understood" in node.text
+
+
+def test_an_unknown_parameter_is_told(cable):
+    """With the name that was probably meant."""
+    with driver(cable.path, baudrate=9600) as node:
+        assert wait_for(lambda: 'did you mean baud_rate?' in node.text)
+
+
+def test_whole_numbers_are_good_for_decimal_ones(cable):
+    """YAML makes 1 of what people mean as 1.0."""
+    with listening(TOPICS) as ear, driver(cable.path, stddev__velocity=3), Device(cable):
+        assert ear.wait('velocity')[-1].twist.covariance[14] == 9
+
+
+def test_quality_of_service_can_be_overridden(cable):
+    """As REP-2003 wants it: the defaults are reliable, the user decides."""
+    overrides = {'qos_overrides./imu/data.publisher.reliability': 'best_effort'}
+    with listening(TOPICS) as ear, driver(cable.path, **overrides), Device(cable):
+        ear.wait('imu/data_raw')
+        info = {topic: ear.node.get_publishers_info_by_topic(topic)[0].qos_profile.reliability.name
+                for topic in ('/imu/data', '/imu/data_raw')}
+        assert info == {'/imu/data': 'BEST_EFFORT', '/imu/data_raw': 'RELIABLE'}
+
+
+def test_missing_port_is_told_once_and_found_when_it_comes(tmp_path):
+    """The node waits for it; diagnostics say why there is no data."""
+    link = str(tmp_path / 'ttyUSB0')
+    with listening({**TOPICS, **DIAGNOSTICS}) as ear, driver(link) as node:
+        assert says(ear, 'Link', DiagnosticStatus.ERROR, 'does not exist: plug the device in')
+        seen = len(ear.heard['/diagnostics'])
+        ear.wait('/diagnostics', seen + 2)
+        with PtyPort(link) as port, Device(port):
+            ear.wait('imu/data', 10)
+            assert says(ear, 'Link', DiagnosticStatus.OK, 'is open')
+        assert sum('does not exist' in line for line in node.lines) == 1
+
+
+def test_unplugged_and_plugged_again_twenty_times(tmp_path):
+    """Under load; the node comes back each time, tells each time once, and does not end."""
+    link = str(tmp_path / 'ttyUSB0')
+    with listening(TOPICS) as ear, driver(link) as node:
+        for _ in range(20):
+            with PtyPort(link) as port, Device(port):
+                before = len(ear.heard['imu/data'])
+                ear.wait('imu/data', before + 5)
+        assert node.alive
+        assert wait_for(lambda: sum('is gone' in line for line in node.lines) == 20)
+        assert sum('is open' in line for line in node.lines) == 20
+        assert node.end() == 0
+        assert 'Traceback' not in node.text
+
+
+def test_silent_device(cable):
+    """The port is open, and nothing comes."""
+    with listening(DIAGNOSTICS) as ear, driver(cable.path):
+        assert says(ear, 'Link', DiagnosticStatus.ERROR, 'is open but silent')
+
+
+def test_wrong_baud_rate_or_device(cable):
+    """Bytes come, and none of them is in a frame."""
+    noise = bytes(range(1, 30))
+    with listening(DIAGNOSTICS) as ear, driver(cable.path), \
+            Device(cable, lambda data, index: noise):
+        assert says(ear, 'Framing', DiagnosticStatus.ERROR, 'is 115200 the baud rate')
+
+
+def test_damaged_frames_are_counted_and_not_logged(cable):
+    """One bit in every 50th inertial frame."""
+    def damage(data, index):
+        if index % 50 == 0 and data[4] == Inertial.TYPE:
+            return data[:10] + bytes([data[10] ^ 1]) + data[11:]
+        return data
+
+    with listening({**TOPICS, **DIAGNOSTICS}) as ear, driver(cable.path) as node, \
+            Device(cable, damage):
+        assert says(ear, 'Framing', DiagnosticStatus.WARN, 'damaged frames')
+        values = {pair.key: pair.value for pair in status(ear, 'Framing').values}
+        assert int(values['CRC failures']) >= 1
+        assert values['Protocol version'] == '3' and values['CRC order'] == 'word'
+        assert len(node.lines) == 1
+
+
+def test_real_recording_at_real_pace(tmp_path):
+    """Every frame arrives, at 200 and 100 Hz, at rest about +9.75 m/s^2 on z."""
+    seconds, frame_bytes = 20, 24 * 200 + 24 * 100 + (28 + 20 + 20) * 10
+    part = tmp_path / 'part.bin'
+    data = shared_file('data/bahrs_recording_v2.bin').read_bytes()
+    part.write_bytes(data[:seconds * frame_bytes])
+    link = str(tmp_path / 'port')
+    with listening(TOPICS) as ear, running('bahrs', 'replay', str(part), '--link', link) as player:
+        assert wait_for(lambda: player.lines)
+        with driver(link):
+            assert player.wait(seconds + 15) == 0
+            ear.wait('imu/data_raw', 200 * seconds)
+            ear.wait('imu/data', 100 * seconds)
+    raw, imu = ear.heard['imu/data_raw'], ear.heard['imu/data']
+    assert (len(raw), len(imu)) == (200 * seconds, 100 * seconds)
+    for messages, rate in ((raw, 200), (imu, 100)):
+        first, last = messages[0].header.stamp, messages[-1].header.stamp
+        span = last.sec - first.sec + (last.nanosec - first.nanosec) * 1e-9
+        assert (len(messages) - 1) / span == pytest.approx(rate, rel=0.005)
+    mean = sum(message.linear_acceleration.z for message in raw) / len(raw)
+    assert mean == pytest.approx(9.75, abs=0.05)
+    # The heading was never valid: level, nose to the north, and the yaw variance says so.
+    last = imu[-1]
+    assert last.orientation.w == pytest.approx(math.sqrt(0.5), abs=1e-3)
+    assert last.orientation.z == pytest.approx(math.sqrt(0.5), abs=1e-3)
+    assert last.orientation_covariance[8] == 1e6
+    assert not ear.heard['imu/mag'] and math.isnan(ear.heard['heading'][-1].data)
+    assert ear.heard['pressure_altitude'][-1].altitude == pytest.approx(537.5, abs=1)
+    assert sum(message.orientation_covariance[0] < 0 for message in imu) == 8
