@@ -44,13 +44,13 @@ def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
 def flu(frd: Vector) -> Vector:
     """Return a body vector given forward, right, down as forward, left, up."""
     x, y, z = frd
-    return x, -y, -z
+    return x, 0.0 - y, 0.0 - z
 
 
 def enu(ned: Vector) -> Vector:
     """Return a vector given north, east, down as east, north, up."""
     north, east, down = ned
-    return east, north, -down
+    return east, north, 0.0 - down
 
 
 def enu_diagonal(ned: Diagonal) -> Diagonal:

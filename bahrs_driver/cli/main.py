@@ -1,0 +1,60 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command `bahrs`: find the verb, run it, turn what goes wrong into one sentence."""
+
+import argparse
+from importlib import import_module
+import os
+import sys
+
+from bahrs_driver.cli.errors import CommandError
+
+# Each verb is the module of its name; only the one asked for is imported, so that those that
+# need no ROS work without it.
+VERBS = {
+    'decode': 'decode a recorded stream of bytes',
+    'monitor': 'show the topics of the driver, live',
+    'replay': 'play a recorded stream of bytes on a serial port',
+}
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run one verb; 0 on success, 1 on failure, 2 on a mistake in the command line."""
+    words = sys.argv[1:] if args is None else args
+    verb = words[0] if words else ''
+    try:
+        options = _parser(verb).parse_args(words)
+        status: int = options.run(options)
+        sys.stdout.flush()
+        return status
+    except CommandError as error:
+        print(f'bahrs {verb}: {error}', file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:
+        # Whoever read our output has seen enough; let nothing complain at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def _parser(chosen: str) -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='bahrs', description='Tools for the BAHRS and Titan-M sensors.')
+    subparsers = parser.add_subparsers(dest='verb', metavar='VERB', required=True)
+    for verb, summary in VERBS.items():
+        subparser = subparsers.add_parser(
+            verb, help=summary, formatter_class=argparse.RawDescriptionHelpFormatter)
+        if verb == chosen:
+            module = _module(verb)
+            module.add_arguments(subparser)
+            subparser.set_defaults(run=module.run)
+    return parser
+
+
+def _module(verb: str):  # type: ignore[no-untyped-def]
+    try:
+        return import_module(f'bahrs_driver.cli.{verb}')
+    except ModuleNotFoundError as error:
+        raise CommandError(f'the Python module {error.name} is missing; install it, or source '
+                           'the set-up of your ROS 2') from error

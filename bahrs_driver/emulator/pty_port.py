@@ -1,0 +1,104 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""A serial port made of a pseudo-terminal: this is the device's end of the cable."""
+
+import os
+from pathlib import Path
+import pty
+import select
+import tty
+
+_READ_SIZE = 4096
+_NOBODY_WAIT = 0.02     # s between two looks for somebody at the other end
+
+
+class PtyPort:
+    """
+    The device's end of a pseudo-terminal whose other end is a serial port to open.
+
+    `path` is what to open; `link` an optional symbolic link to it, which is removed at the end.
+    """
+
+    def __init__(self, link: str | None = None) -> None:
+        """Make the port. FileExistsError if link is there and is not a symbolic link."""
+        self._link = Path(link) if link else None
+        if self._link and self._link.exists() and not self._link.is_symlink():
+            raise FileExistsError(f'{link} exists and is not a symbolic link')
+        self._fd, far_end = pty.openpty()
+        tty.setraw(far_end)
+        os.set_blocking(self._fd, False)
+        self.path = os.ttyname(far_end)
+        # Closing it lets poll() tell whether anybody else has it open.
+        os.close(far_end)
+        if self._link:
+            self._link.unlink(missing_ok=True)
+            self._link.symlink_to(self.path)
+
+    @property
+    def name(self) -> str:
+        """Path to tell the user to open."""
+        return str(self._link or self.path)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether somebody has the port open."""
+        poll = select.poll()
+        poll.register(self._fd, select.POLLHUP)
+        return not poll.poll(0)
+
+    def wait_until_open(self, timeout: float | None = None) -> bool:
+        """Wait until somebody has the port open; False if nobody came in time (seconds)."""
+        waited = 0.0
+        while not self.is_open:
+            if timeout is not None and waited >= timeout:
+                return False
+            select.select([], [], [], _NOBODY_WAIT)
+            waited += _NOBODY_WAIT
+        return True
+
+    def write(self, data: bytes) -> None:
+        """Send data; wait where the reader is slow. Without a reader it is lost, as on a cable."""
+        while data and self.is_open:
+            try:
+                data = data[os.write(self._fd, data):]
+            except BlockingIOError:
+                select.select([], [self._fd], [], _NOBODY_WAIT)
+
+    def write_at_once(self, data: bytes) -> int:
+        """Send what can be sent without waiting; return how much, all if nobody listens."""
+        if not data or not self.is_open:
+            return len(data)
+        try:
+            return os.write(self._fd, data)
+        except BlockingIOError:
+            return 0
+
+    def fileno(self) -> int:
+        """Return the descriptor to wait on for what is sent to the device."""
+        return self._fd
+
+    def read(self, timeout: float = 0.0) -> bytes:
+        """Return what was sent to the device, waiting at most timeout seconds for the first."""
+        if not self.is_open or not select.select([self._fd], [], [], timeout)[0]:
+            return b''
+        try:
+            return os.read(self._fd, _READ_SIZE)
+        except OSError:         # closed at the other end in the meantime
+            return b''
+
+    def close(self) -> None:
+        """Take the port away, as unplugging an adapter does; once it is, nothing happens."""
+        if self._fd < 0:
+            return
+        os.close(self._fd)
+        self._fd = -1
+        if self._link and self._link.is_symlink() and os.readlink(self._link) == self.path:
+            self._link.unlink()
+
+    def __enter__(self) -> 'PtyPort':
+        """Return the port itself."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the port."""
+        self.close()

@@ -1,0 +1,121 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of `bahrs decode`, as a process."""
+
+import csv
+import json
+from pathlib import Path
+import subprocess
+import sys
+
+from bahrs_driver.protocol.bahrs import (
+    Accuracy, HardwareVersion, Inertial, InertialTime, Navigation, NvmPage, SoftwareVersion,
+)
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec, build_frame
+from bahrs_driver.protocol.integrity import Integrity
+import pytest
+from shared_files import shared_file
+
+SAFE, RISK, GONE = Integrity.SAFE, Integrity.INTEGRITY_RISK, Integrity.UNAVAILABLE
+MESSAGES = [
+    SoftwareVersion('OSS', 1, 2),
+    HardwareVersion(7, (1, 2, 3)),
+    Inertial(3, (0.0014964, 0.0, -9.7266), (0.0, 0.0, 0.0), (SAFE, RISK, GONE, SAFE, SAFE, SAFE)),
+    InertialTime(0, 4, 5000),
+    Navigation(1, 5187.59438336, -0.9155413, 0.0, 0.0, 3.0, (SAFE,) * 5),
+    Accuracy(0, 0.01, None, 0.02, 5000),
+    NvmPage(9, bytes(range(32))),
+]
+STREAM = b''.join(BahrsCodec().encode(message, 3) for message in MESSAGES)
+
+
+def decode(*words, data=None):
+    """Run the verb and return what it printed, its errors and its exit status."""
+    done = subprocess.run([Path(sys.executable).parent / 'bahrs', 'decode', *words],
+                          input=data, capture_output=True, check=False)
+    return done.stdout.decode(), done.stderr.decode(), done.returncode
+
+
+def summary(text):
+    """Return the summary as a dictionary."""
+    return {line[:22].strip(): line[22:].strip() for line in text.splitlines()}
+
+
+def test_jsonl_has_a_line_a_message_in_si():
+    """With name, version, offset, sequence where there is one, and all fields."""
+    out, err, status = decode('--format', 'jsonl', '-', data=STREAM)
+    rows = [json.loads(line) for line in out.splitlines()]
+    assert (status, err) == (0, '')
+    assert [row['message'] for row in rows] == [message.NAME for message in MESSAGES]
+    assert all(row['version'] == 3 for row in rows)
+    assert rows[0] == {'message': 'software_version', 'version': 3, 'offset': 0,
+                       'project': 'OSS', 'major': 1, 'minor': 2}
+    assert rows[1]['unique_id'] == [1, 2, 3]
+    assert rows[2]['specific_force'] == pytest.approx([0.0014964, 0.0, -9.7266])
+    assert rows[2]['health'] == ['safe', 'integrity_risk', 'unavailable', 'safe', 'safe', 'safe']
+    assert (rows[2]['offset'], rows[2]['sequence']) == (44, 3)
+    assert rows[3]['valid'] is True and rows[3]['device_time_us'] == 5000
+    assert rows[5]['east_std'] is None
+    assert rows[6]['data'] == bytes(range(32)).hex()
+
+
+def test_csv_has_a_row_a_message_and_a_column_a_field():
+    """Vectors by axis, integrity by signal, nothing where a message has no such field."""
+    out, _, _ = decode('--format', 'csv', '-', data=STREAM)
+    rows = list(csv.DictReader(out.splitlines()))
+    assert len(rows) == len(MESSAGES)
+    assert float(rows[2]['specific_force_z']) == pytest.approx(-9.7266)
+    assert rows[2]['specific_force_y_integrity'] == 'integrity_risk'
+    assert rows[2]['pressure_height'] == ''
+    assert float(rows[4]['pressure_height']) == pytest.approx(5187.59, abs=0.01)
+    assert rows[5]['east_std'] == '' and float(rows[5]['heading_std']) == pytest.approx(0.02, 1e-2)
+
+
+def test_summary_counts():
+    """Messages, unknown types, damage, what was detected."""
+    unknown = build_frame(3, 0xC1, bytes(9), 'word')
+    damaged = STREAM[44:54] + b'?' + STREAM[55:72]
+    out, _, status = decode('-', data=STREAM + unknown + damaged + STREAM)
+    rows = summary(out)
+    assert status == 0
+    assert rows['inertial'] == '2' and rows['unknown type 0xC1'] == '1'
+    assert rows['CRC failures'] == '1' and rows['skipped bytes'] == '28'
+    assert rows['protocol version'] == '3' and rows['CRC order'] == 'word'
+
+
+def test_height_format():
+    """Above 4,500 m the signed reading is 11,000 m lower."""
+    out, _, _ = decode('--format', 'jsonl', '--pressure-height', 'int16', '-', data=STREAM)
+    height = json.loads(out.splitlines()[4])['pressure_height']
+    assert height == pytest.approx(5187.59 - 65536 * 0.16784924, abs=0.01)
+
+
+@pytest.mark.parametrize('words, data, status, sentence', [
+    (['nowhere.bin'], None, 1, 'bahrs decode: cannot read nowhere.bin: No such file'),
+    (['/'], None, 1, 'bahrs decode: cannot read /: Is a directory'),
+    (['-'], b'', 1, 'bahrs decode: no frame in 0 bytes'),
+    (['-'], b'NENENENE' * 9, 1, 'bahrs decode: no frame in 72 bytes'),
+    (['--format', 'xml', '-'], b'', 2, "invalid choice: 'xml'"),
+])
+def test_what_cannot_be_decoded(words, data, status, sentence):
+    """One sentence, and an exit status that is not 0."""
+    _, err, found = decode(*words, data=data)
+    assert found == status and sentence in err and 'Traceback' not in err
+
+
+def test_reader_that_has_seen_enough():
+    """A pipe that is closed early, as head does."""
+    command = f"'{Path(sys.executable).parent / 'bahrs'}' decode --format jsonl - | head -n 1"
+    done = subprocess.run(command, shell=True, input=STREAM * 3000, capture_output=True,
+                          check=False)
+    assert done.stdout.count(b'\n') == 1 and done.stderr == b''
+
+
+def test_recording():
+    """What the real device sent, all of it."""
+    out, _, status = decode(str(shared_file('data/bahrs_recording_v2.bin')))
+    assert status == 0
+    assert summary(out) == {
+        'inertial': '47,837', 'navigation': '23,919', 'accuracy': '2,392',
+        'navigation_time': '2,392', 'inertial_time': '2,392', 'bytes': '1,884,800',
+        'CRC failures': '0', 'skipped bytes': '0', 'protocol version': '2', 'CRC order': 'word'}
