@@ -1,0 +1,43 @@
+# Everything here sets itself up: .venv is made on first use, from requirements.txt.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+
+.PHONY: help setup run test lint docs bench build clean
+
+help:
+	@echo 'make run      watch the driver at work on an emulated device'
+	@echo '              PORT=/dev/ttyUSB0 for a real one, DURATION=15 to end by itself'
+	@echo 'make test     all tests and linters'
+	@echo 'make lint     linters only'
+	@echo 'make docs     write the tables of the README from the code'
+	@echo 'make build    build with colcon into install/'
+	@echo 'make setup    make .venv'
+	@echo 'make clean    remove what was made'
+
+setup: $(READY)
+
+$(READY): requirements.txt setup.py setup.cfg
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check -r requirements.txt
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+run: $(READY)
+	@$(BIN)/python tools/run.py $(if $(PORT),--port $(PORT)) $(if $(DURATION),--duration $(DURATION))
+
+test: $(READY)
+	$(BIN)/python -m pytest
+
+lint: $(READY)
+	$(BIN)/python -m pytest test/lint
+
+docs: $(READY)
+	$(BIN)/python tools/readme_tables.py
+
+build: $(READY)
+	. $(BIN)/activate && colcon build --paths .
+
+clean:
+	rm -rf $(VENV) build install log *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

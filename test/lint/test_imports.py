@@ -1,0 +1,80 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Imports point inward; the pure rooms reach nothing but the standard library."""
+
+import ast
+from pathlib import Path
+import sys
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parents[2] / 'bahrs_driver'
+MODULES = sorted(PACKAGE.rglob('*.py'))
+
+# Every room, and the rooms of ours that it may import. A module directly in the package is a
+# room of its own.
+MAY_IMPORT = {
+    'protocol': {'protocol'},
+    'clock': {'protocol'},
+    'link': {'clock'},
+    'receiver': {'link', 'clock', 'protocol'},
+    'convert': {'convert', 'clock', 'protocol'},
+    'emulator': {'emulator', 'clock', 'protocol'},
+    'parameters': set(),
+    'sensors': {'convert', 'receiver', 'protocol'},
+    'diagnostics': {'receiver', 'link', 'protocol'},
+    'node': {'parameters', 'sensors', 'diagnostics', 'receiver', 'link'},
+    'cli': {'cli', 'convert', 'emulator', 'link', 'clock', 'protocol'},
+    '__init__': set(),
+}
+DEAF = {'protocol', 'clock'}
+NEVER_IN_DEAF = {'time', 'threading', 'socket', 'select', 'os', 'subprocess', 'asyncio', 'io'}
+
+
+def room(path: Path) -> str:
+    """Return the folder, or the name of a module directly in the package."""
+    parts = path.relative_to(PACKAGE).parts
+    return parts[0] if len(parts) > 1 else path.stem
+
+
+def imported(path: Path) -> set[str]:
+    """Return the full names of all modules that a module imports, wherever in it."""
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f'{path}: relative import'
+            names |= {node.module} | {f'{node.module}.{alias.name}' for alias in node.names}
+    return names
+
+
+def our_rooms(path: Path) -> set[str]:
+    """Return the rooms of this package that a module imports."""
+    inside = {name.split('.')[1] for name in imported(path) if name.startswith('bahrs_driver.')}
+    return {name for name in inside if name in MAY_IMPORT}
+
+
+def test_every_module_stands_in_a_known_room():
+    """A new room is entered in the table above, with what it may import."""
+    assert {room(path) for path in MODULES} <= set(MAY_IMPORT)
+
+
+@pytest.mark.parametrize('path', MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_imports_point_inward(path):
+    """No room imports one that is further out."""
+    assert our_rooms(path) <= MAY_IMPORT[room(path)]
+
+
+@pytest.mark.parametrize('path', [path for path in MODULES if room(path) in DEAF],
+                         ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_the_core_is_deaf(path):
+    """Only the standard library (batch.py: and numpy), and nothing of it that waits or listens."""
+    outside = {name.split('.')[0] for name in imported(path)} - {'bahrs_driver'}
+    allowed = set(sys.stdlib_module_names) - NEVER_IN_DEAF
+    assert outside <= allowed | ({'numpy'} if path.name == 'batch.py' else set())
+
+
+def test_only_the_link_imports_serial():
+    """One place knows pyserial."""
+    assert {path.name for path in MODULES if 'serial' in imported(path)} == {'link.py'}

@@ -1,0 +1,30 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The README cannot lie: its tables are those of the code."""
+
+from pathlib import Path
+import re
+import sys
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / 'tools'))
+
+from readme_tables import missing_topics, README, with_tables  # noqa: E402, I100
+
+
+def test_parameter_table_is_that_of_the_code():
+    """`make docs` writes it."""
+    text = README.read_text()
+    assert with_tables(text) == text
+    assert '| `port` |' in text
+
+
+def test_every_topic_is_named_with_its_type():
+    """In the table of topics."""
+    assert missing_topics(README.read_text()) == []
+
+
+def test_versions_agree():
+    """Those of package.xml and setup.py."""
+    version = re.search(r'<version>(.*)</version>', (ROOT / 'package.xml').read_text())[1]
+    assert f"version='{version}'" in (ROOT / 'setup.py').read_text()
