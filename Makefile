@@ -11,6 +11,7 @@ help:
 	@echo '              PORT=/dev/ttyUSB0 for a real one, DURATION=15 to end by itself'
 	@echo 'make test     all tests and linters'
 	@echo 'make lint     linters only'
+	@echo 'make bench    what a frame costs, with its floor'
 	@echo 'make docs     write the tables of the README from the code'
 	@echo 'make build    build with colcon into install/'
 	@echo 'make setup    make .venv'
@@ -35,6 +36,9 @@ lint: $(READY)
 
 docs: $(READY)
 	$(BIN)/python tools/readme_tables.py
+
+bench: $(READY)
+	$(BIN)/python bench/protocol.py
 
 build: $(READY)
 	. $(BIN)/activate && colcon build --paths .

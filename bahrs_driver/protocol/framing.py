@@ -46,7 +46,7 @@ class FrameFormat(Protocol):
 
     @property
     def header_size(self) -> int:
-        """Number of bytes, marker included, that tell the size of a frame."""
+        """Count of bytes, marker included, that tell the size of a frame."""
 
     def sizes(self, header: bytes) -> tuple[int, ...]:
         """Return the sizes that a frame with this header may have, ascending; none if unknown."""

@@ -10,7 +10,8 @@ from ament_flake8.main import main_with_errors
 from ament_pep257.main import main as pep257
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCES = [str(ROOT / name) for name in ('bahrs_driver', 'launch', 'test', 'tools', 'setup.py')]
+SOURCES = [str(ROOT / name)
+           for name in ('bahrs_driver', 'bench', 'launch', 'test', 'tools', 'setup.py')]
 STRICT = ('protocol', 'clock.py', 'convert', 'link.py', 'receiver.py', 'emulator', 'cli')
 
 

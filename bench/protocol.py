@@ -1,0 +1,104 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What a frame costs on its way from bytes to ROS messages, in microseconds of one core.
+
+The floor is what cannot be avoided in Python: cutting the bytes at places that are known
+beforehand, zlib over each frame, one struct for its payload. Each figure is the best of several
+runs, and quoted as a multiple of the floor, which is measured in the same run.
+"""
+
+from collections.abc import Callable
+import struct
+import time
+import zlib
+
+from bahrs_driver.parameters import PARAMETERS
+from bahrs_driver.protocol.bahrs import Accuracy, Inertial, InertialTime, Navigation
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.sensors import bahrs
+
+SECONDS = 60            # of the device's stream
+RUNS = 5
+CHUNK = 62              # bytes, what a USB adapter hands over at a time
+SAFE = (Integrity.SAFE,) * 6
+INERTIAL_PAYLOAD = struct.Struct('<B6hH')
+
+
+def stream() -> list[bytes]:
+    """Return the frames of a device of version 3, in order."""
+    codec, frames = BahrsCodec(), []
+    for index in range(200 * SECONDS):
+        messages = [Inertial(index % 256, (0.1, 0.2, -9.8), (0.01, 0.02, 0.03), SAFE)]
+        if index % 2 == 0:
+            messages.append(
+                Navigation(index // 2 % 256, 500.0, 0.1, 0.1, 0.2, 0.3, SAFE[:5]))
+        if index % 20 == 0:
+            messages.append(InertialTime(index // 20 % 256, index % 256, 5000 * index))
+            messages.append(Accuracy(index // 20 % 256, 0.01, 0.01, 0.02, 5000 * index))
+        frames += [codec.encode(message, 3) for message in messages]
+    return frames
+
+
+def best(work: Callable[[], object], frames: int) -> float:
+    """Return microseconds a frame in the best of several runs."""
+    times = []
+    for _ in range(RUNS):
+        begin = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - begin)
+    return min(times) / frames * 1e6
+
+
+def main() -> None:
+    """Measure and print a table."""
+    pieces = stream()
+    data = b''.join(pieces)
+    bounds, position = [], 0
+    for piece in pieces:
+        bounds.append((position, position + len(piece)))
+        position += len(piece)
+
+    def floor() -> None:
+        for start, end in bounds:
+            piece = data[start:end]
+            zlib.crc32(piece)
+            if len(piece) == 28:
+                INERTIAL_PAYLOAD.unpack_from(piece, 5)
+
+    def framing(chunk: int = CHUNK) -> list:
+        framer, found = Framer(BahrsFormat()), []
+        for start in range(0, len(data), chunk):
+            found += framer.feed(data[start:start + chunk])
+        return found
+
+    found, codec = framing(), BahrsCodec()
+    assert len(found) == len(pieces)
+    messages = [codec.decode(frame) for frame in found]
+    sensor = bahrs({parameter.name: parameter.default for parameter in PARAMETERS})
+
+    def convert() -> None:
+        for index, message in enumerate(messages):
+            for _ in sensor.converter.convert(message, index):
+                pass
+
+    count = len(pieces)
+    base = best(floor, count)
+    rows = [
+        ('floor', base),
+        (f'framing, chunks of {CHUNK} bytes', best(framing, count)),
+        ('framing, byte by byte', best(lambda: framing(1), count)),
+        ('decoding', best(lambda: [codec.decode(frame) for frame in found], count)),
+        ('converting to ROS messages', best(convert, count)),
+    ]
+    rate = count / SECONDS
+    print(f'{count:,} frames; a device sends {rate:.0f} a second')
+    for name, cost in rows:
+        print(f'{name:<32}{cost:8.2f} us a frame {cost / base:7.1f} x floor '
+              f'{cost * rate / 1e4:6.2f} % of a core')
+
+
+if __name__ == '__main__':
+    main()
