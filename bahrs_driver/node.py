@@ -2,25 +2,32 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node: it wires the parts together, and nothing else."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 import signal
 import sys
 from threading import Event
+import time
 from typing import Any
 
-from bahrs_driver.diagnostics import Monitor
+from bahrs_driver.diagnostics.framing_task import FramingTask
+from bahrs_driver.diagnostics.link_task import LinkTask
+from bahrs_driver.diagnostics.monitor import Monitor
+from bahrs_driver.diagnostics.publishing_task import PublishingTask
+from bahrs_driver.diagnostics.self_test import answer
+from bahrs_driver.diagnostics.task import Task
 from bahrs_driver.link import Link
 from bahrs_driver.parameters import declare, ParameterError, unknown_names
 from bahrs_driver.receiver import Received, Receiver
 from bahrs_driver.sensors import SENSORS
 from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.srv import SelfTest
 import rclpy
 from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
@@ -38,46 +45,70 @@ class DriverNode(Node):
         settings = declare(self)
         for sentence in unknown_names(self):
             self.get_logger().warning(sentence)
-        self._sensor = SENSORS[settings['sensor']](settings)
-        self._data = {topic: self._publisher(message_type, topic)
-                      for topic, message_type in self._sensor.topics.items()}
+        self._sensor = sensor = SENSORS[settings['sensor']](settings)
+        self._link = _link(settings)
+        self.receiver = Receiver(self._link, sensor.framer, sensor.codec, self)
+        self._counts = dict.fromkeys(sensor.topics, 0)
+        self._monitor = self._make_monitor(settings)
+        self._data = {topic: self._publisher(message_type, topic, topic in sensor.latched)
+                      for topic, message_type in sensor.topics.items()}
         self._diagnostics = self._publisher(DiagnosticArray, '/diagnostics')
-        link = _link(settings)
-        self.receiver = Receiver(link, self._sensor.framer, self._sensor.codec, self)
-        self._monitor = Monitor(link, self.receiver, self._sensor.framer, self._sensor.protocol)
-        self._port = link.port
         self.create_timer(DIAGNOSTICS_PERIOD, self._report)
+        self.create_service(SelfTest, '~/self_test', self._self_test)
 
     def link_opened(self) -> None:
         """Note that another stream begins."""
-        self.get_logger().info(f'{self._port} is open')
-        self._sensor.converter.reset()
-        self._publish_diagnostics()
+        self.get_logger().info(f'{self._link.port} is open')
+        self._sensor.health.opened()
+        self._report()
 
     def link_failed(self, reason: str) -> None:
         """Tell why there is no data."""
         self.get_logger().error(reason)
-        self._publish_diagnostics()
+        self._publish(self._sensor.converter.lost(time.time_ns()))
+        self._report()
 
     def received(self, batch: list[Received]) -> None:
         """Publish what the messages of one read become."""
+        now = time.monotonic()
         for message, _, stamp_ns in batch:
-            for topic, outgoing in self._sensor.converter.convert(message, stamp_ns):
-                self._data[topic].publish(outgoing)
+            self._sensor.health.observe(message, now)
+            self._publish(self._sensor.converter.convert(message, stamp_ns))
+        if self._monitor.level_changed():
+            self._report()
+
+    def _publish(self, outgoing: Iterable[tuple[str, Any]]) -> None:
+        for topic, message in outgoing:
+            self._data[topic].publish(message)
+            self._counts[topic] += 1
 
     def _report(self) -> None:
-        self._monitor.update()
-        self._publish_diagnostics()
-
-    def _publish_diagnostics(self) -> None:
         array = DiagnosticArray(status=self._monitor.statuses())
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)
 
-    def _publisher(self, message_type: type, topic: str) -> Publisher:
+    def _self_test(self, _: SelfTest.Request, response: SelfTest.Response) -> SelfTest.Response:
+        return answer(self._monitor.verdicts(), self._monitor.hardware_id, response)
+
+    def _make_monitor(self, settings: Mapping[str, Any]) -> Monitor:
+        sensor, counters = self._sensor, self.receiver.counters
+        tasks: list[Task] = [
+            LinkTask(self._link, counters, settings['diagnostics.silence_timeout']),
+            FramingTask(sensor.framer, counters, self._link.baud_rate, settings['sensor'],
+                        sensor.protocol, settings['diagnostics.damaged_share']),
+            *sensor.health.tasks,
+            PublishingTask(self._counts)]
+        qualified = settings['diagnostics.qualified_name']
+        return Monitor(tasks, self.get_fully_qualified_name() if qualified else 'bahrs_driver',
+                       lambda: sensor.health.hardware_id() or self._link.port)
+
+    def _publisher(self, message_type: type, topic: str, latched: bool = False) -> Publisher:
+        profile = QoSProfile(depth=QUEUE_DEPTH)
+        if latched:
+            profile.durability = DurabilityPolicy.TRANSIENT_LOCAL
         try:
             return self.create_publisher(
-                message_type, topic, QoSProfile(depth=QUEUE_DEPTH),
+                message_type, topic, profile,
                 qos_overriding_options=QoSOverridingOptions.with_default_policies())
         except (InvalidQosOverridesError, RuntimeError, TypeError) as error:
             raise ParameterError(f'qos_overrides of {topic} cannot be used: {error}') from error

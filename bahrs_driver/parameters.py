@@ -113,6 +113,25 @@ PARAMETERS = (
               'a horizontal field.', 'degree', low=-90.0, high=90.0),
     Parameter('publish.derived_magnetic_field', True,
               'Whether to publish imu/mag for a device that reports a heading but no field.'),
+    Parameter('integrity.risk_policy', 'inflate',
+              'What becomes of a signal at integrity risk: inflate publishes it with a larger '
+              'variance, withhold treats it as unavailable, pass publishes it as it is.',
+              choices=('inflate', 'withhold', 'pass')),
+    Parameter('integrity.risk_inflation', 100.0,
+              'Factor on the variance of a signal at integrity risk, for the policy inflate.',
+              low=1.0, high=1e6),
+    Parameter('diagnostics.silence_timeout', 1.0,
+              'Time without a byte, or without a data message, from which on the device is '
+              'reported as silent.', 's', low=0.1, high=60.0),
+    Parameter('diagnostics.rate_tolerance', 0.05,
+              'Share by which the rate of a message may differ from what is expected without a '
+              'warning.', low=0.0, high=1.0),
+    Parameter('diagnostics.damaged_share', 0.1,
+              'Share of damaged frames above which the line is reported as unusable; below, any '
+              'damaged frame is a warning.', low=0.0, high=1.0),
+    Parameter('diagnostics.qualified_name', False,
+              'Whether names in /diagnostics begin with the fully qualified name of the node '
+              'rather than with bahrs_driver, to tell several drivers apart.'),
     Parameter('pressure_height.format', 'uint16',
               'How the pressure height stands on the wire. Devices send uint16; int16 is what '
               'the protocol document says.', choices=('uint16', 'int16')),

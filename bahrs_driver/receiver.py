@@ -18,6 +18,7 @@ from bahrs_driver.protocol.framing import Frame, Framer
 
 FIRST_PAUSE = 0.1       # s, before the port is tried again
 LONGEST_PAUSE = 2.0     # s
+SAMPLE_SIZE = 256       # bytes kept to tell what a stream without frames may be
 
 
 class Received(NamedTuple):
@@ -57,6 +58,7 @@ class LinkCounters:
     times_opened: int = 0
     bytes_received: int = 0
     reads: int = 0
+    last_bytes: bytes = b''                 # the latest few, as they came
     error: str = ''                         # why it is not open now
     last_error: str = ''                    # the latest of all
 
@@ -113,6 +115,7 @@ class Receiver:
             self._last_read_ns = reading.time_ns
             self.counters.reads += 1
             self.counters.bytes_received += len(reading.data)
+            self.counters.last_bytes = (self.counters.last_bytes + reading.data)[-SAMPLE_SIZE:]
             self.counters.last_data = time.monotonic()
             self._hand_over(self._framer.feed(reading.data))
 

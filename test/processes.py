@@ -13,10 +13,11 @@ import threading
 import time
 from typing import Any
 
+from bahrs_driver.convert.bahrs import LATCHED
 import rclpy
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-from rclpy.qos import QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSProfile
 
 BIN = Path(sys.executable).parent
 END_TIMEOUT = 10.0
@@ -94,8 +95,10 @@ class Ear:
         rclpy.init(context=self._context)
         self.node = rclpy.create_node('ear', context=self._context)
         for topic, kind in topics.items():
-            self.node.create_subscription(
-                kind, topic, self.heard[topic].append, QoSProfile(depth=2000))
+            profile = QoSProfile(depth=2000)
+            if topic in LATCHED:
+                profile.durability = DurabilityPolicy.TRANSIENT_LOCAL
+            self.node.create_subscription(kind, topic, self.heard[topic].append, profile)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._thread = threading.Thread(target=self._spin, daemon=True)

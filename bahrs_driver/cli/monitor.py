@@ -11,12 +11,12 @@ import os
 import time
 from typing import Any
 
-from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.convert.bahrs import LATCHED, TOPICS
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
-from rclpy.qos import qos_profile_sensor_data
+from rclpy.qos import DurabilityPolicy, qos_profile_sensor_data, QoSProfile
 from rich.console import Console, Group
 from rich.live import Live
 from rich.table import Table
@@ -28,6 +28,7 @@ _EXAMPLES = """examples:
   bahrs monitor                   until Ctrl-C
   bahrs monitor --duration 15     then print what came
 """
+_LATCHED_PROFILE = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _LEVELS = {DiagnosticStatus.OK: ('OK', 'green'), DiagnosticStatus.WARN: ('WARN', 'yellow'),
            DiagnosticStatus.ERROR: ('ERROR', 'red'), DiagnosticStatus.STALE: ('STALE', 'blue')}
 
@@ -95,8 +96,9 @@ class Watch:
         self._tallies = {topic: Tally() for topic in TOPICS}
         self._health: dict[str, DiagnosticStatus] = {}
         for topic, kind in TOPICS.items():
-            node.create_subscription(kind, topic, partial(self._count, topic, _FORMATS[topic]),
-                                     qos_profile_sensor_data)
+            profile = _LATCHED_PROFILE if topic in LATCHED else qos_profile_sensor_data
+            node.create_subscription(
+                kind, topic, partial(self._count, topic, _FORMATS[topic]), profile)
         node.create_subscription(DiagnosticArray, '/diagnostics', self._judge, 10)
 
     @property
@@ -155,6 +157,12 @@ def _field(message: Any) -> str:
     return f'{field.x * 1e6:+.1f} {field.y * 1e6:+.1f} {field.z * 1e6:+.1f} µT'
 
 
+def _integrity(notice: Any) -> str:
+    troubled = [f'{status.name} {status.message}' for status in notice.status
+                if status.level != DiagnosticStatus.OK]
+    return ', '.join(troubled) or 'all signals safe'
+
+
 _FORMATS: dict[str, Callable[[Any], str]] = {
     'imu/data_raw': _force_and_rate,
     'imu/data': _attitude,
@@ -164,4 +172,5 @@ _FORMATS: dict[str, Callable[[Any], str]] = {
     'altitude/pose': lambda message: f'z {message.pose.pose.position.z:+.1f} m',
     'velocity': lambda message: f'z {message.twist.twist.linear.z:+.2f} m/s',
     'heading': lambda message: f'{message.data:.1f}°',
+    'integrity': _integrity,
 }

@@ -9,7 +9,7 @@ signal that is unavailable is not made up: a message with nothing else to say is
 whole quantity is marked as not reported (REP-145), a lone component is NaN.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 import math
 from typing import Any, NamedTuple
@@ -17,9 +17,13 @@ from typing import Any, NamedTuple
 from bahrs_driver.convert import atmosphere, covariance, magnetic, ros
 from bahrs_driver.convert.axes import Convention, Quaternion, quaternion_from_euler
 from bahrs_driver.convert.covariance import Matrix
+from bahrs_driver.convert.integrity_notice import IntegrityNotice
 from bahrs_driver.convert.pairing import Pairing
+from bahrs_driver.convert.worth import Appraisal, inflated, reported, UNKNOWN_DEVIATION, Worth
 from bahrs_driver.protocol.bahrs import Accuracy, Inertial, Navigation
+from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.protocol.layout import Vector
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
 from sensor_msgs.msg import FluidPressure, Imu, MagneticField, NavSatFix
 from std_msgs.msg import Float64
@@ -33,20 +37,22 @@ TOPICS: dict[str, type] = {
     'altitude/pose': PoseWithCovarianceStamped,
     'velocity': TwistWithCovarianceStamped,
     'heading': Float64,
+    'integrity': DiagnosticArray,
 }
+# Of these a late joiner gets what was last published.
+LATCHED = {'integrity'}
 
 # The accuracy message comes with every tenth navigation message; without it for this many the
 # last one says nothing about the present.
 ACCURACY_LIFETIME = 100
 _NO_ACCURACY = Accuracy(0, None, None, None, 0)
-_UNKNOWN_DEVIATION = math.sqrt(covariance.UNKNOWN_VARIANCE)
 
 Outgoing = Iterator[tuple[str, Any]]
 
 
 @dataclass(frozen=True)
 class BahrsOptions:
-    """What the user may choose: frames, axes, assumed deviations (SI) and the magnetic field."""
+    """What the user may choose: frames, axes, assumed deviations (SI), field and risk policy."""
 
     frame_id: str
     world_frame_id: str
@@ -59,12 +65,23 @@ class BahrsOptions:
     field_strength: float
     field_dip: float
     publish_field: bool
+    appraisal: Appraisal
 
 
 class _Sample(NamedTuple):
+    """An inertial sample in published axes, with NaN for what has no worth."""
+
     stamp_ns: int
     force: Vector
+    force_covariance: Matrix
     rate: Vector
+    rate_covariance: Matrix
+
+    @property
+    def empty(self) -> bool:
+        """Whether nothing in it is reported."""
+        return (self.force_covariance == covariance.NOT_REPORTED
+                and self.rate_covariance == covariance.NOT_REPORTED)
 
 
 class BahrsConverter:
@@ -73,32 +90,47 @@ class BahrsConverter:
     def __init__(self, options: BahrsOptions) -> None:
         """Convert as the options say."""
         self._options = options
+        self._notice = IntegrityNotice(Inertial.SIGNALS + Navigation.SIGNALS)
         self._handlers: dict[type, Callable[[Any, int], Outgoing]] = {
             Inertial: self._inertial, Navigation: self._navigation, Accuracy: self._accuracy}
-        self.reset()
+        self._forget()
 
-    def reset(self) -> None:
-        """Forget the stream so far; another one begins."""
-        self._pairing = Pairing[_Sample]()
-        self._deviations = _NO_ACCURACY
-        self._deviations_age = 0
+    @property
+    def signals(self) -> Mapping[str, Integrity | None]:
+        """Present integrity of each signal; None if it was not heard of."""
+        return self._notice.signals
+
+    def lost(self, stamp_ns: int) -> Outgoing:
+        """Forget the stream, which ended at stamp_ns, and return what is to be said about it."""
+        self._forget()
+        return iter([('integrity', self._notice.forget(stamp_ns, self._options.frame_id))])
 
     def convert(self, message: object, stamp_ns: int) -> Outgoing:
         """
-        Return what a message becomes; nothing for those that no topic carries.
+        Return what a message becomes, one by one; nothing for those that no topic carries.
 
         stamp_ns is the message's time in nanoseconds since the epoch.
         """
         handler = self._handlers.get(type(message))
         return handler(message, stamp_ns) if handler else iter(())
 
+    def _forget(self) -> None:
+        self._pairing = Pairing[_Sample]()
+        self._deviations = _NO_ACCURACY
+        self._deviations_age = 0
+
     def _inertial(self, message: Inertial, stamp_ns: int) -> Outgoing:
-        body = self._options.convention.body
-        force = body(_available(message.specific_force, message.health[:3]))
-        rate = body(_available(message.angular_rate, message.health[3:]))
-        sample = _Sample(stamp_ns, force, rate)
+        yield from self._changes(message, stamp_ns)
+        options = self._options
+        worth = options.appraisal.of(message.health)
+        sample = _Sample(
+            stamp_ns,
+            options.convention.body(reported(message.specific_force, worth[:3])),
+            covariance.of_vector(worth[:3], options.force_stddev),
+            options.convention.body(reported(message.angular_rate, worth[3:])),
+            covariance.of_vector(worth[3:], options.rate_stddev))
         self._pairing.inertial(message.sequence, sample)
-        if _something_in(force) or _something_in(rate):
+        if not sample.empty:
             yield 'imu/data_raw', self._imu(sample, None, covariance.NOT_REPORTED)
 
     def _accuracy(self, message: Accuracy, _stamp_ns: int) -> Outgoing:
@@ -110,23 +142,29 @@ class BahrsConverter:
         self._deviations_age += 1
         if self._deviations_age > ACCURACY_LIFETIME:
             self._deviations = _NO_ACCURACY
-        sample = self._pairing.navigation(message.sequence)
-        if sample is None:
-            sample = _Sample(stamp_ns, ros.NO_VECTOR, ros.NO_VECTOR)
-        height, velocity, roll, pitch, heading = (signal.available for signal in message.health)
-        if height:
-            yield from self._height(message.pressure_height, sample.stamp_ns)
-        if velocity:
-            yield from self._velocity(message.velocity_down, sample.stamp_ns)
-        yield from self._attitude(message, sample, roll and pitch, heading)
-        if roll and pitch and heading and self._options.publish_field:
-            yield from self._field(message, sample.stamp_ns)
+        sample = self._pairing.navigation(message.sequence) or _no_sample(stamp_ns)
+        yield from self._changes(message, sample.stamp_ns)
+        height, velocity, roll, pitch, heading = self._options.appraisal.of(message.health)
+        if height is not None:
+            yield from self._height(message.pressure_height, height, sample.stamp_ns)
+        if velocity is not None:
+            yield from self._velocity(message.velocity_down, velocity, sample.stamp_ns)
+        level = None if roll is None or pitch is None else max(roll, pitch)
+        yield from self._attitude(message, sample, level, heading)
+        if level is not None and heading is not None and self._options.publish_field:
+            yield from self._field(message, heading, sample.stamp_ns)
         yield 'heading', ros.number(
-            math.degrees(message.magnetic_heading) % 360.0 if heading else math.nan)
+            math.nan if heading is None else math.degrees(message.magnetic_heading) % 360.0)
 
-    def _height(self, height: float, stamp_ns: int) -> Outgoing:
+    def _changes(self, message: Inertial | Navigation, stamp_ns: int) -> Outgoing:
+        notice = self._notice.update(message.SIGNALS, message.health, stamp_ns,
+                                     self._options.frame_id)
+        if notice is not None:
+            yield 'integrity', notice
+
+    def _height(self, height: float, worth: float, stamp_ns: int) -> Outgoing:
         options = self._options
-        deviation = options.height_stddev
+        deviation = options.height_stddev * math.sqrt(worth)
         here = ros.header(stamp_ns, options.frame_id)
         world = ros.header(stamp_ns, options.world_frame_id)
         _, _, z = options.convention.world((0.0, 0.0, -height))
@@ -135,47 +173,44 @@ class BahrsConverter:
         yield 'pressure_altitude', ros.altitude_fix(here, height, deviation)
         yield 'altitude/pose', ros.height_pose(world, z, deviation)
 
-    def _velocity(self, velocity_down: float, stamp_ns: int) -> Outgoing:
+    def _velocity(self, velocity_down: float, worth: float, stamp_ns: int) -> Outgoing:
         options = self._options
         _, _, z = options.convention.world((0.0, 0.0, velocity_down))
-        yield 'velocity', ros.vertical_twist(
-            ros.header(stamp_ns, options.world_frame_id), z, options.velocity_stddev)
+        yield 'velocity', ros.vertical_twist(ros.header(stamp_ns, options.world_frame_id), z,
+                                             options.velocity_stddev * math.sqrt(worth))
 
-    def _attitude(self, message: Navigation, sample: _Sample, level: bool,
-                  heading: bool) -> Outgoing:
-        if level:
-            yaw = message.magnetic_heading + self._options.declination if heading else 0.0
+    def _attitude(self, message: Navigation, sample: _Sample, level: Worth,
+                  heading: Worth) -> Outgoing:
+        if level is not None:
+            yaw = 0.0 if heading is None else message.magnetic_heading + self._options.declination
             rotation = quaternion_from_euler(message.roll, message.pitch, yaw)
             orientation = self._options.convention.orientation(rotation)
-            yield 'imu/data', self._imu(sample, orientation, self._spread(heading))
-        elif _something_in(sample.force) or _something_in(sample.rate):
+            yield 'imu/data', self._imu(sample, orientation, self._spread(level, heading))
+        elif not sample.empty:
             yield 'imu/data', self._imu(sample, None, covariance.NOT_REPORTED)
 
-    def _spread(self, heading: bool) -> Matrix:
-        """Return the covariance of the orientation, its heading known or not."""
+    def _spread(self, level: float, heading: Worth) -> Matrix:
+        """Return the covariance of an orientation whose roll and pitch have some worth."""
         accuracy = self._deviations
-        return covariance.of_orientation(self._options.convention.diagonal(
-            (accuracy.north_std, accuracy.east_std,
-             accuracy.heading_std if heading else _UNKNOWN_DEVIATION)))
+        return covariance.of_orientation(self._options.convention.diagonal((
+            inflated(accuracy.north_std, level), inflated(accuracy.east_std, level),
+            UNKNOWN_DEVIATION if heading is None else inflated(accuracy.heading_std, heading))))
 
-    def _field(self, message: Navigation, stamp_ns: int) -> Outgoing:
+    def _field(self, message: Navigation, worth: float, stamp_ns: int) -> Outgoing:
         options = self._options
         field, spread = magnetic.derived_field(
-            message.roll, message.pitch, message.magnetic_heading, self._deviations.heading_std,
+            message.roll, message.pitch, message.magnetic_heading,
+            inflated(self._deviations.heading_std, worth),
             options.field_strength, options.field_dip, options.convention)
         yield 'imu/mag', ros.magnetic_field(
             ros.header(stamp_ns, options.frame_id), field, spread)
 
     def _imu(self, sample: _Sample, orientation: Quaternion | None, spread: Matrix) -> Imu:
-        options = self._options
-        return ros.imu(ros.header(sample.stamp_ns, options.frame_id), orientation, spread,
-                       sample.rate, options.rate_stddev, sample.force, options.force_stddev)
+        head = ros.header(sample.stamp_ns, self._options.frame_id)
+        return ros.imu(head, orientation, spread, sample.rate, sample.rate_covariance,
+                       sample.force, sample.force_covariance)
 
 
-def _available(vector: Vector, health: tuple[Any, ...]) -> Vector:
-    x, y, z = (value if signal.available else math.nan for value, signal in zip(vector, health))
-    return x, y, z
-
-
-def _something_in(vector: Vector) -> bool:
-    return not all(map(math.isnan, vector))
+def _no_sample(stamp_ns: int) -> _Sample:
+    return _Sample(stamp_ns, ros.NO_VECTOR, covariance.NOT_REPORTED,
+                   ros.NO_VECTOR, covariance.NOT_REPORTED)

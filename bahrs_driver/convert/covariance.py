@@ -9,9 +9,6 @@ that are carries UNKNOWN_VARIANCE, which no filter takes for information.
 """
 
 from collections.abc import Sequence
-import math
-
-from bahrs_driver.protocol.layout import Vector
 
 UNKNOWN_VARIANCE = 1e6          # in the square of the unit of its quantity
 
@@ -27,16 +24,17 @@ def diagonal(variances: Sequence[float]) -> Matrix:
     return tuple(variances[i] if i == j else 0.0 for i in range(size) for j in range(size))
 
 
-def of_vector(vector: Vector, stddev: float) -> Matrix:
+def of_vector(worth: Sequence[float | None], stddev: float) -> Matrix:
     """
     Return the covariance of a vector whose components have the same standard deviation.
 
-    A component that is NaN is not reported; if none is reported the vector is not.
+    Each variance is multiplied by the worth of its component. One without worth (None) is not
+    reported; if none has any the vector is not.
     """
-    missing = [math.isnan(component) for component in vector]
-    if all(missing):
+    if all(factor is None for factor in worth):
         return NOT_REPORTED
-    return diagonal([UNKNOWN_VARIANCE if gone else stddev ** 2 for gone in missing])
+    return diagonal([UNKNOWN_VARIANCE if factor is None else factor * stddev ** 2
+                     for factor in worth])
 
 
 def of_orientation(deviations: Sequence[float | None]) -> Matrix:

@@ -30,7 +30,7 @@ def header(stamp_ns: int, frame_id: str) -> Header:
 
 
 def imu(head: Header, orientation: Quaternion | None, orientation_covariance: Matrix,
-        rate: Vector, rate_stddev: float, force: Vector, force_stddev: float) -> Imu:
+        rate: Vector, rate_covariance: Matrix, force: Vector, force_covariance: Matrix) -> Imu:
     """
     Return angular rate (rad/s), specific force (m/s^2) and orientation with their covariances.
 
@@ -41,9 +41,9 @@ def imu(head: Header, orientation: Quaternion | None, orientation_covariance: Ma
     message.orientation_covariance = (
         orientation_covariance if orientation else covariance.NOT_REPORTED)
     message.angular_velocity = _vector3(rate)
-    message.angular_velocity_covariance = covariance.of_vector(rate, rate_stddev)
+    message.angular_velocity_covariance = rate_covariance
     message.linear_acceleration = _vector3(force)
-    message.linear_acceleration_covariance = covariance.of_vector(force, force_stddev)
+    message.linear_acceleration_covariance = force_covariance
     return message
 
 

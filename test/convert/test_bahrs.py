@@ -7,6 +7,7 @@ import math
 
 from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.bahrs import BahrsConverter, BahrsOptions, TOPICS
+from bahrs_driver.convert.worth import Appraisal
 from bahrs_driver.protocol.bahrs import Accuracy, Inertial, Navigation, SoftwareVersion
 from bahrs_driver.protocol.integrity import Integrity
 import pytest
@@ -22,7 +23,8 @@ STAMP = 1_700_000_000_123_456_789
 OPTIONS = BahrsOptions(
     frame_id='imu_link', world_frame_id='map', convention=CONVENTIONS['enu'], force_stddev=0.1,
     rate_stddev=0.2, height_stddev=2.0, velocity_stddev=0.5, declination=0.0,
-    field_strength=50e-6, field_dip=0.0, publish_field=True)
+    field_strength=50e-6, field_dip=0.0, publish_field=True,
+    appraisal=Appraisal('inflate', 100.0))
 
 
 def published(*messages, **options):
@@ -122,14 +124,78 @@ def test_missing_quantity_is_not_reported():
 def test_nothing_available_publishes_nothing_but_a_nan_heading():
     """Neither topic of the IMU, nor height, nor velocity."""
     nothing = replace(INERTIAL, health=(GONE,) * 6)
-    assert published(nothing) == {}
+    assert set(published(nothing)) == {'integrity'}
     out = published(nothing, replace(NAVIGATION, health=(GONE,) * 5))
-    assert list(out) == ['heading'] and math.isnan(out['heading'].data)
+    assert set(out) == {'heading', 'integrity'} and math.isnan(out['heading'].data)
 
 
-def test_integrity_risk_is_still_a_value():
-    """It is published."""
-    assert 'velocity' in published(with_health(NAVIGATION, velocity_down=RISK))
+@pytest.mark.parametrize('policy, factor', [('inflate', 100), ('pass', 1)])
+def test_integrity_risk_is_still_a_value(policy, factor):
+    """With a larger variance, or as it is; other signals are as they were."""
+    appraisal = Appraisal(policy, 100.0)
+    risky = with_health(NAVIGATION, velocity_down=RISK, roll=RISK, magnetic_heading=RISK)
+    out = published(ACCURACY, with_health(INERTIAL, specific_force_y=RISK), risky,
+                    appraisal=appraisal)
+    imu, base = out['imu/data'], published(ACCURACY, INERTIAL, NAVIGATION)
+    assert imu.linear_acceleration_covariance[[0, 4, 8]] == pytest.approx(
+        [0.01, 0.01 * factor, 0.01])
+    assert imu.orientation_covariance == pytest.approx(
+        base['imu/data'].orientation_covariance * factor)
+    assert out['velocity'].twist.covariance[14] == pytest.approx(0.25 * factor)
+    assert out['altitude/pose'].pose.covariance[14] == 4
+    assert out['heading'].data == pytest.approx(30)
+
+
+def test_integrity_risk_may_be_withheld():
+    """It is then treated as unavailable."""
+    appraisal = Appraisal('withhold', 100.0)
+    risky = with_health(NAVIGATION, velocity_down=RISK, roll=RISK, magnetic_heading=RISK)
+    out = published(ACCURACY, with_health(INERTIAL, specific_force_y=RISK), risky,
+                    appraisal=appraisal)
+    assert 'velocity' not in out and 'imu/mag' not in out
+    assert out['imu/data'].orientation_covariance[0] == -1
+    assert math.isnan(out['imu/data'].linear_acceleration.y)
+    assert math.isnan(out['heading'].data)
+
+
+def test_risk_without_accuracy_is_not_hidden_behind_unknown():
+    """All zeros are for what is safe and of unknown accuracy."""
+    imu = published(INERTIAL, with_health(NAVIGATION, roll=RISK))['imu/data']
+    assert imu.orientation_covariance[[0, 4, 8]] == pytest.approx([1e6, 1e6, 1e6])
+
+
+def states(notice):
+    """Return what a notice says, by signal."""
+    return {status.name: (status.level, status.message) for status in notice.status}
+
+
+def test_integrity_is_told_when_it_changes_under_the_stamp_of_the_sample():
+    """And not otherwise; every notice has all signals."""
+    converter = BahrsConverter(OPTIONS)
+    first = dict(converter.convert(INERTIAL, 1000))['integrity']
+    assert states(first)['specific_force_x'] == (b'\x00', 'safe')
+    assert states(first)['roll'] == (b'\x03', 'not_heard')
+    assert 'integrity' not in dict(converter.convert(INERTIAL, 2000))
+    change = with_health(INERTIAL, angular_rate_z=RISK)
+    out = dict(converter.convert(change, 3000))
+    assert states(out['integrity'])['angular_rate_z'] == (b'\x01', 'integrity_risk')
+    assert out['integrity'].header == out['imu/data_raw'].header
+    out = dict(converter.convert(with_health(NAVIGATION, roll=GONE, pitch=RESERVED), 3500))
+    assert states(out['integrity'])['roll'] == (b'\x02', 'unavailable')
+    assert states(out['integrity'])['pitch'] == (b'\x02', 'reserved')
+    assert states(out['integrity'])['angular_rate_z'] == (b'\x01', 'integrity_risk')
+    assert out['integrity'].header.stamp == out['velocity'].header.stamp
+    assert out['velocity'].header.stamp.nanosec == 3000
+    assert len(states(out['integrity'])) == 11
+
+
+def test_a_lost_stream_is_told():
+    """Nothing is known any more, and the first sample of the next stream is a change again."""
+    converter = BahrsConverter(OPTIONS)
+    list(converter.convert(INERTIAL, 1000))
+    notice = dict(converter.lost(5000))['integrity']
+    assert set(states(notice).values()) == {(b'\x03', 'not_heard')}
+    assert 'integrity' in dict(converter.convert(INERTIAL, 6000))
 
 
 @pytest.mark.parametrize('signal, topics', [
@@ -184,12 +250,12 @@ def test_accuracy_does_not_outlive_its_messages():
     assert list(out['imu/data'].orientation_covariance) == [0] * 9
 
 
-def test_reset_forgets():
+def test_another_stream_begins_afresh():
     """Neither accuracy nor sample of the old stream go with the new."""
     converter = BahrsConverter(OPTIONS)
     for message in (ACCURACY, INERTIAL):
         list(converter.convert(message, STAMP))
-    converter.reset()
+    converter.lost(STAMP)
     imu = dict(converter.convert(NAVIGATION, STAMP))['imu/data']
     assert list(imu.orientation_covariance) == [0] * 9
     assert imu.linear_acceleration_covariance[0] == -1

@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the covariance matrices."""
 
-from math import nan
-
 from bahrs_driver.convert import covariance
 import pytest
 
@@ -15,19 +13,24 @@ def test_diagonal():
 
 def test_a_vector_has_the_variance_of_its_components():
     """The square of the deviation, three times."""
-    matrix = covariance.of_vector((0.0, 1.0, 2.0), 0.5)
+    matrix = covariance.of_vector((1.0, 1.0, 1.0), 0.5)
     assert matrix == (0.25, 0, 0, 0, 0.25, 0, 0, 0, 0.25)
+
+
+def test_worth_multiplies_the_variance():
+    """Component by component."""
+    assert covariance.of_vector((1.0, 100.0, 1.0), 0.5)[4] == 25
 
 
 def test_a_lone_missing_component_has_an_unknown_variance():
     """The others keep theirs, and the first element does not say -1."""
-    matrix = covariance.of_vector((nan, 1.0, 2.0), 0.5)
+    matrix = covariance.of_vector((None, 1.0, 1.0), 0.5)
     assert matrix == (1e6, 0, 0, 0, 0.25, 0, 0, 0, 0.25)
 
 
 def test_a_vector_without_components_is_not_reported():
     """REP-145: -1 in the first element."""
-    assert covariance.of_vector((nan, nan, nan), 0.5)[0] == -1
+    assert covariance.of_vector((None, None, None), 0.5)[0] == -1
 
 
 def test_orientation():

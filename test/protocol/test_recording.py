@@ -26,7 +26,8 @@ def test_everything_is_understood(recording):
     assert Counter(codec.decode(frame).NAME for frame in found) == {
         'inertial': 47837, 'navigation': 23919, 'accuracy': 2392,
         'navigation_time': 2392, 'inertial_time': 2392}
-    assert (framer.counters.crc_failures, framer.counters.skipped_bytes, framer.pending) == (0,) * 3
+    counters = framer.counters
+    assert (counters.crc_failures, counters.skipped_bytes, framer.pending) == (0, 0, 0)
     assert frame_format.order_seen == 'word'
     assert {frame_version(frame.data) for frame in found} == {2}
 

@@ -1,0 +1,53 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The topic `integrity`: every change of a signal's integrity, under the stamp of the sample.
+
+Each notice has the present state of all signals, so that the last one is enough for a late joiner,
+and all of them together tell for every sample in a bag what it was worth.
+"""
+
+from collections.abc import Sequence
+
+from bahrs_driver.convert import ros
+from bahrs_driver.protocol.integrity import Health, Integrity
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+LEVELS = {Integrity.SAFE: DiagnosticStatus.OK, Integrity.INTEGRITY_RISK: DiagnosticStatus.WARN,
+          Integrity.UNAVAILABLE: DiagnosticStatus.ERROR,
+          Integrity.RESERVED: DiagnosticStatus.ERROR, None: DiagnosticStatus.STALE}
+NOT_HEARD = 'not_heard'
+
+
+class IntegrityNotice:
+    """Remembers the integrity of all signals, and tells of changes."""
+
+    def __init__(self, signals: Sequence[str]) -> None:
+        """Begin with signals of which nothing was heard."""
+        self.signals: dict[str, Integrity | None] = dict.fromkeys(signals)
+        self._last: dict[tuple[str, ...], Health] = {}
+
+    def update(self, names: tuple[str, ...], health: Health, stamp_ns: int,
+               frame_id: str) -> DiagnosticArray | None:
+        """Take the health of one sample; return a notice if it differs from the last one's."""
+        if self._last.get(names) == health:
+            return None
+        self._last[names] = health
+        self.signals.update(zip(names, health))
+        return self._notice(stamp_ns, frame_id)
+
+    def forget(self, stamp_ns: int, frame_id: str) -> DiagnosticArray:
+        """Return the notice that nothing is known of any signal any more."""
+        self._last.clear()
+        self.signals.update(dict.fromkeys(self.signals))
+        return self._notice(stamp_ns, frame_id)
+
+    def _notice(self, stamp_ns: int, frame_id: str) -> DiagnosticArray:
+        return DiagnosticArray(header=ros.header(stamp_ns, frame_id), status=[
+            _status(name, integrity) for name, integrity in self.signals.items()])
+
+
+def _status(name: str, integrity: Integrity | None) -> DiagnosticStatus:
+    label = NOT_HEARD if integrity is None else integrity.label
+    return DiagnosticStatus(level=LEVELS[integrity], name=name, message=label,
+                            values=[KeyValue(key='integrity', value=label)])

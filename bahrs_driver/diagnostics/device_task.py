@@ -1,0 +1,68 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Task *Device*: what the device says of itself."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from bahrs_driver.diagnostics.task import OK, Verdict, WARN
+from bahrs_driver.protocol.bahrs import HardwareVersion, Navigation, SoftwareVersion
+
+# What no aircraft reaches: the pressure height read as int16 falls here above 4,500 m.
+IMPOSSIBLE_HEIGHT = -1000.0         # m
+
+
+class DeviceTask:
+    """Remembers what the device says of itself."""
+
+    name = 'Device'
+
+    def __init__(self) -> None:
+        """Begin with nothing known."""
+        self._software: SoftwareVersion | None = None
+        self._hardware: HardwareVersion | None = None
+        self._impossible_height = False
+
+    def observe(self, message: Any) -> None:
+        """Take a message."""
+        if isinstance(message, SoftwareVersion):
+            self._software = message
+        elif isinstance(message, HardwareVersion):
+            self._hardware = message
+        elif isinstance(message, Navigation) and message.health[0].available:
+            self._impossible_height = message.pressure_height < IMPOSSIBLE_HEIGHT
+
+    @property
+    def hardware_id(self) -> str:
+        """Project code, if known, and unique number of the microcontroller; empty without one."""
+        if self._hardware is None:
+            return ''
+        project = f'{self._software.project}-' if self._software else ''
+        return project + _words(self._hardware)
+
+    def judge(self, now: float) -> Verdict:
+        """Return whether what it says can be."""
+        if self._impossible_height:
+            return Verdict(WARN, f'The pressure height is below {IMPOSSIBLE_HEIGHT:.0f} m: '
+                                 'is pressure_height.format right? Devices send uint16')
+        if self._software is None:
+            return Verdict(OK, 'No version heard: the device tells it only at power-on')
+        return Verdict(OK, self._version(self._software))
+
+    def values(self, now: float) -> Mapping[str, str]:
+        """Return the versions."""
+        values = dict.fromkeys(('Software version', 'MCU', 'MCU unique number'), 'not heard')
+        if self._software:
+            values['Software version'] = self._version(self._software)
+        if self._hardware:
+            values['MCU'] = f'0x{self._hardware.mcu_id:04X}'
+            values['MCU unique number'] = _words(self._hardware)
+        return values
+
+    @staticmethod
+    def _version(software: SoftwareVersion) -> str:
+        return f'{software.project} {software.major}.{software.minor}'
+
+
+def _words(hardware: HardwareVersion) -> str:
+    return ''.join(f'{word:08X}' for word in hardware.unique_id)

@@ -1,0 +1,82 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Task *Framing*: whether the bytes are frames, and the frames intact."""
+
+from collections.abc import Callable, Mapping
+
+from bahrs_driver.diagnostics.task import ERROR, OK, Verdict, WARN
+from bahrs_driver.diagnostics.window import Window
+from bahrs_driver.protocol.framing import Framer, FramingCounters
+from bahrs_driver.receiver import LinkCounters
+
+ENOUGH_BYTES = 200          # without a frame among them to say that something is wrong
+TEXT_SHARE = 0.95           # of printable bytes, from which on a stream is text
+
+
+class FramingTask:
+    """Watches what the framer makes of the bytes."""
+
+    name = 'Framing'
+
+    def __init__(self, framer: Framer, counters: LinkCounters, baud_rate: int, sensor: str,
+                 protocol: Callable[[], Mapping[str, str]], error_share: float) -> None:
+        """
+        Watch a framer.
+
+        protocol tells what was detected of the device's protocol. Above error_share of damaged
+        frames the line is called unusable; any damaged frame is a warning.
+        """
+        self._framer = framer
+        self._counters = counters
+        self._baud_rate = baud_rate
+        self._sensor = sensor
+        self._protocol = protocol
+        self._error_share = error_share
+        self._window = Window(self._counts)
+
+    def _counts(self) -> tuple[int, int, int, int]:
+        framing = self._framer.counters
+        return (self._counters.bytes_received, framing.frames + framing.unknown_types.total(),
+                framing.crc_failures, framing.skipped_bytes)
+
+    def judge(self, now: float) -> Verdict:
+        """Return how the last second went."""
+        _, (received, frames, failures, skipped) = self._window.growth(now)
+        if not received:
+            return Verdict(OK, 'Nothing received')
+        if not frames:
+            if received < ENOUGH_BYTES:
+                return Verdict(OK, 'Waiting for a whole frame')
+            return Verdict(ERROR, self._why_no_frames())
+        share = failures / (failures + frames)
+        if share > self._error_share:
+            return Verdict(ERROR, f'{share:.0%} of the frames are damaged: check cable, ground '
+                                  'and baud rate')
+        if failures or skipped:
+            return Verdict(WARN, f'{failures} damaged frames, {skipped} stray bytes just now')
+        return Verdict(OK, 'All frames intact')
+
+    def values(self, now: float) -> Mapping[str, str]:
+        """Return what was detected, and what was counted since the start."""
+        framing = self._framer.counters
+        return {
+            **self._protocol(),
+            'Frames': str(framing.frames),
+            'CRC failures': str(framing.crc_failures),
+            'Skipped bytes': str(framing.skipped_bytes),
+            'Frames of unknown type': _unknown_types(framing),
+        }
+
+    def _why_no_frames(self) -> str:
+        sample = self._counters.last_bytes
+        text = sum(byte in b'\r\n\t' or 0x20 <= byte < 0x7F for byte in sample)
+        if text > TEXT_SHARE * len(sample):
+            return (f'Text arrives, but no frame of a {self._sensor}: another device is on this '
+                    'port')
+        return (f'Bytes arrive, but no frame of a {self._sensor}: is {self._baud_rate} the baud '
+                'rate of the device?')
+
+
+def _unknown_types(framing: FramingCounters) -> str:
+    counts = sorted(framing.unknown_types.items())
+    return ', '.join(f'{name}: {count}' for name, count in counts) or 'none'

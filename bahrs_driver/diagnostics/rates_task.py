@@ -1,0 +1,116 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Task *Rates*: whether every message comes as often as it should, and none is lost."""
+
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any
+
+from bahrs_driver.diagnostics.task import OK, STALE, Verdict, WARN
+from bahrs_driver.diagnostics.window import Window
+
+COUNTER_MODULUS = 256
+RATE_SPAN = 2.0             # s over which a rate is measured
+
+
+class RatesTask:
+    """Counts the messages of a stream, and those that are missing from it."""
+
+    name = 'Rates'
+
+    def __init__(self, expected: Mapping[str, float], tolerance: float,
+                 stale_timeout: float) -> None:
+        """
+        Expect messages, by name, at a rate in Hz.
+
+        A rate may be off by the tolerance (a share); without any of these messages for
+        stale_timeout seconds the stream is stale.
+        """
+        self._expected = expected
+        self._tolerance = tolerance
+        self._stale_timeout = stale_timeout
+        self._received = Counter[str]()
+        self._lost = Counter[str]()
+        self._last: dict[str, tuple[int, float]] = {}
+        self._last_any: float | None = None
+        self._last_service: float | None = None
+        self._window = Window(
+            lambda: [self._received[name] for name in expected], RATE_SPAN)
+        self._losses = Window(lambda: [self._lost[name] for name in expected])
+
+    @property
+    def lost(self) -> Mapping[str, int]:
+        """Messages lost since the start, by name."""
+        return self._lost
+
+    def observe(self, message: Any, now: float) -> None:
+        """Count a message."""
+        name = message.NAME
+        if name not in self._expected:
+            self._notice_service(message, now)
+            return
+        self._received[name] += 1
+        if name in self._last:
+            self._lost[name] += missing(*self._last[name], message.sequence, now,
+                                        self._expected[name])
+        self._last[name] = message.sequence, now
+        self._last_any = now
+
+    def restart(self) -> None:
+        """Begin to count gaps afresh: the device was switched on, or the port opened again."""
+        self._last.clear()
+        self._window.restart()
+
+    def judge(self, now: float) -> Verdict:
+        """Return whether the stream flows, whole and at its rates."""
+        if self._last_any is None or now - self._last_any > self._stale_timeout:
+            return self._why_stale(now)
+        _, losses = self._losses.growth(now)
+        if any(losses):
+            return Verdict(WARN, 'Lost just now: ' + _listed(self._expected, losses))
+        elapsed, counts = self._window.growth(now)
+        if elapsed >= RATE_SPAN:
+            off = [f'{name} at {count / elapsed:.0f} Hz instead of {rate:.0f}'
+                   for (name, rate), count in zip(self._expected.items(), counts)
+                   if abs(count - elapsed * rate) > max(2.0, elapsed * rate * self._tolerance)]
+            if off:
+                return Verdict(WARN, ', '.join(off))
+        return Verdict(OK, 'All messages at their rates')
+
+    def values(self, now: float) -> Mapping[str, str]:
+        """Return rate, count and losses of each message."""
+        elapsed, counts = self._window.growth(now)
+        found = {}
+        for (name, rate), count in zip(self._expected.items(), counts):
+            measured = count / elapsed if elapsed else 0.0
+            found[f'{name} [Hz]'] = f'{measured:.1f} of {rate:.0f}'
+            found[f'{name} received'] = str(self._received[name])
+            found[f'{name} lost'] = str(self._lost[name])
+        return found
+
+    def _notice_service(self, message: Any, now: float) -> None:
+        if message.SERVICE:
+            self._last_service = now
+
+    def _why_stale(self, now: float) -> Verdict:
+        if self._last_service is not None and now - self._last_service < self._stale_timeout + 6:
+            return Verdict(STALE, 'The device is in diagnostics mode; it leaves by itself 5 s '
+                                  'after the last request')
+        return Verdict(STALE, 'No data from the device')
+
+
+def missing(last: int, then: float, sequence: int, now: float, rate: float) -> int:
+    """
+    Return how many messages came between two that have these counters and times.
+
+    The counter alone tells it modulo 256; the time in between (s) and the rate (Hz) tell how
+    often it went round. A repeated message is not a loss.
+    """
+    gap = (sequence - last - 1) % COUNTER_MODULUS
+    expected = (now - then) * rate - 1
+    turns = round((expected - gap) / COUNTER_MODULUS)
+    return max(0, gap + COUNTER_MODULUS * turns)
+
+
+def _listed(names: Mapping[str, float], counts: tuple[int, ...]) -> str:
+    return ', '.join(f'{count} {name}' for name, count in zip(names, counts) if count)

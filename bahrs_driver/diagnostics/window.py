@@ -1,0 +1,37 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""How counters changed over the last second or two."""
+
+from collections import deque
+from collections.abc import Callable, Sequence
+
+Counts = tuple[int, ...]
+
+
+class Window:
+    """
+    Remembers counters for a while, to tell how much they grew.
+
+    What is told covers at least one span, if the window has existed for so long, and less than
+    two.
+    """
+
+    def __init__(self, read: Callable[[], Sequence[int]], span: float = 1.0) -> None:
+        """Watch the counters that read returns over a span in seconds."""
+        self._read = read
+        self._span = span
+        self._marks: deque[tuple[float, Counts]] = deque()
+
+    def restart(self) -> None:
+        """Forget what was, and begin to remember anew."""
+        self._marks.clear()
+
+    def growth(self, now: float) -> tuple[float, Counts]:
+        """Return the seconds covered, and by how much each counter grew in them."""
+        counts = tuple(self._read())
+        if not self._marks or now - self._marks[-1][0] >= self._span:
+            self._marks.append((now, counts))
+        while len(self._marks) > 1 and now - self._marks[1][0] >= self._span:
+            self._marks.popleft()
+        begin, before = self._marks[0]
+        return now - begin, tuple(new - old for new, old in zip(counts, before))

@@ -1,0 +1,240 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of what each task says, and when."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+from bahrs_driver.diagnostics.device_task import DeviceTask
+from bahrs_driver.diagnostics.framing_task import FramingTask
+from bahrs_driver.diagnostics.link_task import LinkTask
+from bahrs_driver.diagnostics.rates_task import missing, RatesTask
+from bahrs_driver.diagnostics.signals_task import SignalsTask
+from bahrs_driver.diagnostics.task import ERROR, OK, STALE, WARN
+from bahrs_driver.diagnostics.window import Window
+from bahrs_driver.protocol.bahrs import (
+    Acknowledgement, HardwareVersion, Inertial, Navigation, SoftwareVersion,
+)
+from bahrs_driver.protocol.framing import FramingCounters
+from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.receiver import LinkCounters
+import pytest
+
+SAFE, RISK = Integrity.SAFE, Integrity.INTEGRITY_RISK
+GONE, RESERVED = Integrity.UNAVAILABLE, Integrity.RESERVED
+LINK = SimpleNamespace(port='/dev/ttyUSB0', baud_rate=115200)
+NAVIGATION = Navigation(0, 500.0, 0.0, 0.0, 0.0, 0.0, (SAFE,) * 5)
+
+
+def inertial(sequence):
+    """Return an inertial message of which only the counter matters."""
+    return Inertial(sequence % 256, (0.0,) * 3, (0.0,) * 3, (SAFE,) * 6)
+
+
+def link_verdict(**counters):
+    """Return the verdict on a link at the time 100 s."""
+    return LinkTask(LINK, LinkCounters(**counters), 1.0).judge(100.0)
+
+
+def test_a_port_that_is_not_open_says_why():
+    """In the words of the link."""
+    assert link_verdict(error='/dev/ttyUSB0 is gone') == (ERROR, '/dev/ttyUSB0 is gone')
+
+
+def test_an_open_port_with_data_is_fine():
+    """The last byte came half a second ago."""
+    assert link_verdict(open_since=1.0, last_data=99.5) == (OK, '/dev/ttyUSB0 is open')
+
+
+@pytest.mark.parametrize('last_data', [None, 50.0, 95.0])
+def test_a_silent_port_is_an_error_that_says_what_to_look_at(last_data):
+    """Counted from its opening if nothing ever came, or came before it."""
+    level, message = link_verdict(open_since=95.0, last_data=last_data)
+    assert level == ERROR
+    assert message.startswith('/dev/ttyUSB0 is open but silent: is the device powered')
+
+
+def test_a_port_just_opened_is_not_yet_silent():
+    """It has a second."""
+    assert link_verdict(open_since=99.5).level == OK
+
+
+def test_traffic_is_told_against_the_baud_rate():
+    """Ten bits a byte: 5,760 of 11,520 bytes a second are half of the line."""
+    counters = LinkCounters(open_since=0.0)
+    task = LinkTask(LINK, counters, 1.0)
+    task.values(0.0)
+    counters.bytes_received = 5760
+    values = task.values(1.0)
+    assert values['Bytes per second'] == '5760' and values['Use of the line'] == '50%'
+
+
+def framing_verdict(received, frames, failures, skipped, last_bytes=b'\xff' * 99):
+    """Return the verdict after a second that brought so much."""
+    framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters()
+    task = FramingTask(framer, counters, 115200, 'bahrs', lambda: {'CRC order': 'word'}, 0.1)
+    task.judge(0.0)
+    counters.bytes_received, counters.last_bytes = received, last_bytes
+    framer.counters.frames, framer.counters.crc_failures = frames, failures
+    framer.counters.skipped_bytes = skipped
+    assert task.values(1.0)['CRC failures'] == str(failures)
+    return task.judge(1.0)
+
+
+@pytest.mark.parametrize('received, frames, failures, skipped, level, words', [
+    (0, 0, 0, 0, OK, 'Nothing received'),
+    (8000, 345, 0, 0, OK, 'All frames intact'),
+    (8000, 340, 1, 24, WARN, '1 damaged frames, 24 stray bytes'),
+    (8000, 345, 0, 3, WARN, '0 damaged frames, 3 stray bytes'),
+    (8000, 240, 105, 2600, ERROR, '30% of the frames are damaged: check cable'),
+    (30, 0, 0, 0, OK, 'Waiting for a whole frame'),
+    (8000, 0, 0, 8000, ERROR, 'no frame of a bahrs: is 115200 the baud rate'),
+])
+def test_framing(received, frames, failures, skipped, level, words):
+    """Each state has a message of its own."""
+    verdict = framing_verdict(received, frames, failures, skipped)
+    assert verdict.level == level and words in verdict.message
+
+
+def test_text_is_another_device():
+    """Such as a GNSS receiver."""
+    verdict = framing_verdict(8000, 0, 0, 8000, b'$GPGGA,123519,4807.038,N*47\r\n' * 4)
+    assert verdict.level == ERROR and 'another device is on this port' in verdict.message
+
+
+@pytest.mark.parametrize('last, sequence, seconds, lost', [
+    (7, 8, 0.005, 0),
+    (7, 10, 0.015, 2),
+    (255, 0, 0.005, 0),
+    (250, 5, 0.055, 10),
+    (7, 7, 0.0, 0),             # repeated
+    (7, 8, 1.285, 256),         # a whole turn of the counter is missing
+    (7, 8, 1.300, 256),         # and its last frame came late
+    (7, 6, 0.016, 0),           # not a whole turn in three periods: the device began anew
+    (0, 100, 3.06, 611),
+])
+def test_lost_messages_by_counter_and_time(last, sequence, seconds, lost):
+    """At 200 Hz."""
+    assert missing(last, 10.0, sequence, 10.0 + seconds, 200.0) == lost
+
+
+class Stream:
+    """Feeds a task of rates with inertial messages at 200 Hz."""
+
+    def __init__(self):
+        """Begin at the time 0."""
+        self.task = RatesTask({'inertial': 200.0}, 0.05, 1.0)
+        self.now, self.sequence = 0.0, 0
+
+    def run(self, seconds, rate=200, lose=()):
+        """Let time pass; lose counts the messages of this run that do not arrive."""
+        for index in range(int(seconds * rate)):
+            self.now += 1 / rate
+            self.sequence += 1
+            if index not in lose:
+                self.task.observe(inertial(self.sequence), self.now)
+                verdict = self.task.judge(self.now)
+        return verdict
+
+
+def test_a_whole_stream_is_fine():
+    """Through several turns of the counter."""
+    stream = Stream()
+    assert stream.run(6) == (OK, 'All messages at their rates')
+    values = stream.task.values(stream.now)
+    assert values == {'inertial [Hz]': '200.0 of 200', 'inertial received': '1200',
+                      'inertial lost': '0'}
+
+
+def test_losses_are_counted_and_told_for_a_moment():
+    """Wraps included; later all is fine again, and the count stays."""
+    stream = Stream()
+    stream.run(1)
+    verdict = stream.run(0.5, lose={50, 51, 56, 70})
+    assert verdict == (WARN, 'Lost just now: 4 inertial')
+    assert stream.run(5).level == OK
+    assert stream.task.lost == {'inertial': 4}
+
+
+def test_a_wrong_rate_is_told():
+    """The counter has no gaps, but the device is slow."""
+    assert Stream().run(6, rate=180).message == 'inertial at 180 Hz instead of 200'
+
+
+def test_no_stream():
+    """Neither at the start, nor after it has ended; then it is back."""
+    stream = Stream()
+    assert stream.task.judge(0.0) == (STALE, 'No data from the device')
+    stream.run(3)
+    assert stream.task.judge(stream.now + 0.9).level != STALE
+    assert stream.task.judge(stream.now + 1.1).level == STALE
+
+
+def test_diagnostics_mode_is_not_an_error():
+    """Service messages come, and no data: that is as it should be."""
+    stream = Stream()
+    stream.run(1)
+    stream.task.observe(Acknowledgement(0xF0, 0), stream.now + 0.5)
+    level, message = stream.task.judge(stream.now + 2)
+    assert level == STALE and 'diagnostics mode' in message
+    assert 'diagnostics mode' not in stream.task.judge(stream.now + 30).message
+
+
+def test_a_restart_is_no_loss():
+    """The counters of another stream have nothing to do with those of this one."""
+    stream = Stream()
+    stream.run(1)
+    stream.task.restart()
+    stream.sequence += 100
+    stream.run(1)
+    assert stream.task.lost == {'inertial': 0}
+
+
+@pytest.mark.parametrize('signals, level, message', [
+    ({'roll': None, 'pitch': None}, STALE, 'Nothing heard from the device'),
+    ({'roll': SAFE, 'pitch': SAFE}, OK, 'All signals safe'),
+    ({'roll': SAFE, 'pitch': RISK}, WARN, 'pitch integrity risk'),
+    ({'roll': GONE, 'pitch': RISK}, ERROR, 'roll unavailable, pitch integrity risk'),
+    ({'roll': RESERVED, 'pitch': SAFE}, ERROR, 'roll undefined pattern 11'),
+    ({'roll': SAFE, 'pitch': None}, OK, 'All signals safe'),
+])
+def test_integrity(signals, level, message):
+    """The worst signal gives the level."""
+    assert SignalsTask(signals).judge(0.0) == (level, message)
+
+
+def test_device_tells_what_it_is():
+    """Its name needs the unique number; versions are shown as they come."""
+    task = DeviceTask()
+    assert task.hardware_id == '' and 'only at power-on' in task.judge(0.0).message
+    task.observe(SoftwareVersion('OSS', 2, 7))
+    assert task.hardware_id == '' and task.judge(0.0) == (OK, 'OSS 2.7')
+    task.observe(HardwareVersion(0x450, (1, 2, 0xABCDEF01)))
+    assert task.hardware_id == 'OSS-0000000100000002ABCDEF01'
+    assert task.values(0.0) == {'Software version': 'OSS 2.7', 'MCU': '0x0450',
+                                'MCU unique number': '0000000100000002ABCDEF01'}
+
+
+def test_an_impossible_height_names_the_parameter():
+    """As long as it is there, and only if the device says that it is available."""
+    task, low = DeviceTask(), replace(NAVIGATION, pressure_height=-5812.0)
+    task.observe(replace(low, health=(GONE,) + (SAFE,) * 4))
+    assert task.judge(0.0).level == OK
+    task.observe(low)
+    assert task.judge(0.0).level == WARN
+    assert 'pressure_height.format' in task.judge(0.0).message
+    task.observe(NAVIGATION)
+    assert task.judge(0.0).level == OK
+
+
+def test_a_window_covers_one_span_to_two():
+    """Whenever it is asked."""
+    count = [0]
+    window = Window(lambda: count, 1.0)
+    for step in range(1, 100):
+        now = step * 0.1
+        count[0] += 1
+        elapsed, (growth,) = window.growth(now)
+        assert growth == round(elapsed / 0.1)
+        if now > 1.1:
+            assert 0.99 < elapsed < 2.0

@@ -1,0 +1,165 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the node says of itself and its device, heard in another process."""
+
+from collections import Counter
+import os
+import random
+import stat
+
+from bahrs_driver.emulator.pty_port import PtyPort
+from bahrs_driver.protocol.bahrs import (
+    Acknowledgement, HardwareVersion, Inertial, Navigation, SoftwareVersion,
+)
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec
+from devices import Device, DIAGNOSTICS, SAFE, says, status
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_msgs.srv import SelfTest
+from processes import driver, listening, wait_for
+import pytest
+
+OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
+ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
+TASKS = ['Link', 'Framing', 'Rates', 'Integrity', 'Device', 'Publishing']
+CODEC = BahrsCodec()
+
+
+def values(ear, task):
+    """Return the latest values of a task."""
+    return {pair.key: pair.value for pair in status(ear, task).values}
+
+
+def flip_in_three_of_ten(data, index):
+    """Damage 30 % of the frames."""
+    if hash((index, data[4])) % 10 < 3:
+        return data[:9] + bytes([data[9] ^ 4]) + data[10:]
+    return data
+
+
+def test_a_healthy_device_is_ok_in_every_task(cable):
+    """And nothing is missing from its rates."""
+    with listening(DIAGNOSTICS) as ear, driver(cable.path), Device(cable):
+        for task in TASKS:
+            assert says(ear, task, OK, ''), status(ear, task)
+        assert wait_for(lambda: values(ear, 'Rates')['inertial [Hz]'].startswith('200'))
+        assert values(ear, 'Rates')['navigation lost'] == '0'
+        assert int(values(ear, 'Publishing')['imu/data']) > 100
+        assert values(ear, 'Integrity')['roll'] == 'safe'
+
+
+# What is wrong, and what the user is told. The README has the same table.
+FAULTS = {
+    'wrong baud rate': (lambda data, index: bytes(b >> 1 ^ 0xA5 for b in data), 'Framing', ERROR,
+                        'Bytes arrive, but no frame of a bahrs: is 115200 the baud rate'),
+    'wrong device': (lambda data, index: b'$GPGGA,123519,4807.038,N*47\r\n', 'Framing', ERROR,
+                     'Text arrives, but no frame of a bahrs: another device is on this port'),
+    'silent device': (lambda data, index: b'', 'Link', ERROR, 'is open but silent'),
+    'half-dead cable': (flip_in_three_of_ten, 'Framing', ERROR, 'of the frames are damaged'),
+    'diagnostics mode': (lambda data, index: CODEC.encode(Acknowledgement(0xF0, 0), 3)
+                         if index % 100 == 0 else b'', 'Rates', STALE, 'in diagnostics mode'),
+}
+
+
+@pytest.mark.parametrize('fault', FAULTS)
+def test_each_fault_has_its_own_message(cable, fault):
+    """A distinct, plain one, that says what to do."""
+    change, task, level, words = FAULTS[fault]
+    with listening(DIAGNOSTICS) as ear, driver(cable.path), Device(cable, change=change):
+        assert says(ear, task, level, words), status(ear, task)
+        readme = (os.path.dirname(__file__) + '/../../README.md')
+        assert words in open(readme).read()
+
+
+def test_a_missing_port(tmp_path):
+    """It is named."""
+    with listening(DIAGNOSTICS) as ear, driver(str(tmp_path / 'ttyUSB0')):
+        assert says(ear, 'Link', ERROR, 'ttyUSB0 does not exist: plug the device in')
+        assert says(ear, 'Rates', STALE, 'No data from the device')
+        assert status(ear, 'Link').hardware_id == str(tmp_path / 'ttyUSB0')
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason='root may open every port; test_link has it too')
+def test_a_forbidden_port():
+    """The group to join is named."""
+    with PtyPort() as port:
+        os.chmod(port.path, stat.S_IRGRP | stat.S_IWGRP)
+        with listening(DIAGNOSTICS) as ear, driver(port.path):
+            assert says(ear, 'Link', ERROR, 'may not be opened by user')
+
+
+def test_lost_frames_are_counted_right(cable):
+    """One in a hundred, at random, through several turns of the counters."""
+    chance, lost = random.Random(3), Counter()
+    names = {kind.TYPE: kind.NAME for kind in (Inertial, Navigation)}
+
+    def drop(data, index):
+        # Not the last, of which nobody can know.
+        if 20 < index < 1400 and data[4] in names and chance.random() < 0.01:
+            lost[names[data[4]]] += 1
+            return b''
+        return data
+
+    with listening(DIAGNOSTICS) as ear, driver(cable.path):
+        assert wait_for(lambda: cable.is_open)
+        with Device(cable, change=drop) as device:
+            assert wait_for(lambda: len(device.inertial) > 1450, 30)
+            assert wait_for(lambda: int(values(ear, 'Rates')['inertial received']) > 1380)
+        found = values(ear, 'Rates')
+        assert {name: int(found[f'{name} lost']) for name in lost} == lost
+        assert sum(lost.values()) > 10
+        assert any('Lost just now' in item.message for array in ear.heard['/diagnostics']
+                   for item in array.status)
+
+
+def test_the_device_gives_its_name(cable):
+    """Project code and unique number, once they were heard."""
+    with listening(DIAGNOSTICS) as ear, driver(cable.path):
+        assert wait_for(lambda: cable.is_open)
+        with Device(cable):
+            assert says(ear, 'Rates', OK, '')
+            cable.write(CODEC.encode(SoftwareVersion('OSS', 2, 7), 3)
+                        + CODEC.encode(HardwareVersion(0x450, (1, 2, 3)), 3))
+            assert says(ear, 'Device', OK, 'OSS 2.7')
+            assert status(ear, 'Link').hardware_id == 'OSS-000000010000000200000003'
+
+
+def test_names_may_be_those_of_the_node(cable):
+    """To tell several drivers apart."""
+    with listening(DIAGNOSTICS) as ear, driver(cable.path, diagnostics__qualified_name='true'):
+        ear.wait('/diagnostics')
+        assert ear.heard['/diagnostics'][0].status[0].name == '/bahrs_driver: Link'
+
+
+def test_self_test(cable):
+    """It fails on a silent device, and passes on a healthy one."""
+    with listening(DIAGNOSTICS) as ear, driver(cable.path):
+        client = ear.node.create_client(SelfTest, '/bahrs_driver/self_test')
+        assert client.wait_for_service(10)
+
+        def ask():
+            future = client.call_async(SelfTest.Request())
+            assert wait_for(future.done)
+            return future.result()
+
+        before = ask()
+        assert before.passed == b'\x00' and before.id == cable.path
+        with Device(cable):
+            for task in TASKS:
+                assert says(ear, task, OK, '')
+            after = ask()
+        assert after.passed == b'\x01', after
+        assert [item.name for item in after.status] == [
+            'Port open and bytes flowing', 'Frames valid', 'Rates right', 'Integrity safe']
+
+
+def test_a_height_read_with_the_wrong_sign_names_the_parameter(cable):
+    """As the document has it: above 4,500 m it comes out negative."""
+    def high(data, index):
+        if data[4] != Navigation.TYPE:
+            return data
+        return CODEC.encode(Navigation(index // 2 % 256, 6000.0, 0.0, 0.0, 0.0, 0.0,
+                                       SAFE[:5]), 3)
+
+    with listening(DIAGNOSTICS) as ear, driver(cable.path, pressure_height__format='int16'), \
+            Device(cable, change=high):
+        assert says(ear, 'Device', WARN, 'is pressure_height.format right?')

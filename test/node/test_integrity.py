@@ -1,0 +1,194 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a subscriber is told of the integrity of each sample is what the device sent."""
+
+from bisect import bisect_right
+import math
+import random
+
+from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.protocol.bahrs import ANGLE, FORCE, HEIGHT, Inertial, Navigation, VELOCITY
+from bahrs_driver.protocol.integrity import Integrity
+from devices import Device, DIAGNOSTICS, SAFE, says, status
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from processes import driver, listening, wait_for
+import pytest
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+SIGNALS = Inertial.SIGNALS + Navigation.SIGNALS
+STATES = {2: [Integrity.UNAVAILABLE, Integrity.SAFE], 3: list(Integrity)}
+
+
+def nanoseconds(message):
+    """Return the stamp of a message."""
+    return message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+
+
+class Scenario:
+    """Switches each signal through each state, then all at random, then back to safe."""
+
+    def __init__(self, version):
+        """Write the scenario down, a row for every nine inertial samples."""
+        chance, self._rows = random.Random(11), [[Integrity.SAFE] * 11]
+        for signal in range(11):
+            for state in [*STATES[version], Integrity.SAFE]:
+                self._rows.append([*self._rows[-1]])
+                self._rows[-1][signal] = state
+        self._rows += [[chance.choice(STATES[version]) for _ in range(11)] for _ in range(20)]
+        self.begin = None           # number of its first sample; all are safe before it
+
+    def __call__(self, index):
+        """Return the health of inertial and navigation message number so-and-so."""
+        row = -1 if self.begin is None else (index - self.begin) // 9
+        now = self._rows[row] if 0 <= row < len(self._rows) else self._rows[0]
+        return tuple(now[:6]), tuple(now[6:])
+
+    @property
+    def end(self):
+        """Return the number of the first sample after it."""
+        return self.begin + 9 * len(self._rows)
+
+
+class Notices:
+    """What the topic `integrity` said, to be asked for any time."""
+
+    def __init__(self, messages):
+        """Take all notices."""
+        self._times = [nanoseconds(message) for message in messages]
+        self._states = [{status.name: status.message for status in message.status}
+                        for message in messages]
+
+    def at(self, time):
+        """Return the state of all signals that held at a stamp."""
+        return self._states[bisect_right(self._times, time) - 1]
+
+    def __len__(self):
+        """Return how many there were."""
+        return len(self._times)
+
+
+@pytest.mark.parametrize('version', [2, 3])
+def test_every_sample_says_what_the_device_said_of_it(cable, version):
+    """Each signal through each state: values, covariances, and the notice for its stamp."""
+    scenario = Scenario(version)
+    device = Device(cable, version, scenario)
+    with listening(TOPICS) as ear, driver(cable.path), device:
+        for topic in TOPICS:
+            ear.wait(topic)
+        scenario.begin = len(device.inertial) + 20
+        assert wait_for(lambda: len(device.inertial) > scenario.end + 20)
+        assert wait_for(lambda: number(ear.heard['imu/data_raw'][-1]) >= scenario.end + 10)
+    notices = Notices(ear.heard['integrity'])
+    assert len(notices) >= 40
+    check_inertial(ear.heard, notices, device.inertial)
+    check_navigation(ear.heard, notices, device.navigation)
+
+
+def number(imu):
+    """Return which message of the device this is."""
+    return round(imu.linear_acceleration.x / FORCE)
+
+
+def sources(heard, first, sent, published):
+    """Return pairs of what was heard on a topic from its first message on, and its source."""
+    pairs = list(zip(heard, [message for message in sent[first:] if published(message)]))
+    assert len(pairs) > 0.3 * len(sent)
+    return pairs
+
+
+def check_inertial(heard, notices, sent):
+    """Every component is there exactly when it is available, with what it is worth."""
+    messages = heard['imu/data_raw']
+    for imu, message in sources(messages, number(messages[0]), sent,
+                                lambda m: any(s.available for s in m.health)):
+        said = notices.at(nanoseconds(imu))
+        assert [said[name] for name in Inertial.SIGNALS] == [s.label for s in message.health]
+        force, rate = imu.linear_acceleration, imu.angular_velocity
+        values = (force.x, force.y, force.z, rate.x, rate.y, rate.z)
+        assert [math.isnan(value) for value in values] == [
+            not state.available for state in message.health]
+        check_variances(imu.linear_acceleration_covariance, message.health[:3], 1e-4)
+        check_variances(imu.angular_velocity_covariance, message.health[3:], 2.5e-7)
+
+
+def check_variances(matrix, health, variance):
+    """Nothing that is not safe has the variance of what is safe."""
+    if not any(state.available for state in health):
+        assert matrix[0] == -1
+        return
+    factors = {Integrity.SAFE: variance, Integrity.INTEGRITY_RISK: 100 * variance}
+    assert matrix[[0, 4, 8]] == pytest.approx([factors.get(state, 1e6) for state in health])
+
+
+def check_navigation(heard, notices, sent):
+    """Topics come exactly when their signal is available, with what it is worth."""
+    poses, twists, headings = heard['altitude/pose'], heard['velocity'], heard['heading']
+    first = round(poses[0].pose.pose.position.z / HEIGHT)
+    for pose, message in sources(poses, first, sent, lambda m: m.health[0].available):
+        assert pose.pose.pose.position.z == pytest.approx(message.pressure_height, abs=0.1)
+        check_notice(notices.at(nanoseconds(pose)), message)
+        assert pose.pose.covariance[14] == (1 if message.health[0] is Integrity.SAFE else 100)
+    first = round(-twists[0].twist.twist.linear.z / VELOCITY)
+    for twist, message in sources(twists, first, sent, lambda m: m.health[1].available):
+        assert -twist.twist.twist.linear.z == pytest.approx(message.velocity_down, abs=0.01)
+        check_notice(notices.at(nanoseconds(twist)), message)
+        assert twist.twist.covariance[14] == pytest.approx(
+            0.04 if message.health[1] is Integrity.SAFE else 4)
+    first = round(math.radians(headings[0].data) / ANGLE)
+    for heading, message in sources(headings, first, sent, lambda m: True):
+        assert math.isnan(heading.data) == (not message.health[4].available)
+
+
+def check_notice(said, message):
+    """Check that the notice for a sample is what the device said with it."""
+    assert [said[name] for name in Navigation.SIGNALS] == [s.label for s in message.health]
+
+
+def test_a_late_joiner_gets_the_present_state(cable):
+    """The last notice holds for all signals."""
+    def health(index):
+        return (SAFE, (Integrity.SAFE,) * 4 + (Integrity.UNAVAILABLE,))
+
+    with listening(TOPICS) as ear, driver(cable.path), Device(cable, health=health):
+        ear.wait('imu/data', 50)
+        late = []
+        ear.node.create_subscription(
+            DiagnosticArray, 'integrity', late.append,
+            QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+        assert wait_for(lambda: late)
+        state = {item.name: item.message for item in late[-1].status}
+        assert state['magnetic_heading'] == 'unavailable' and state['roll'] == 'safe'
+
+
+def test_a_level_change_is_in_diagnostics_within_a_tenth_of_a_second(cable):
+    """Counted from the stamp of the sample that caused it, each of six times."""
+    def health(index):
+        heading = Integrity.SAFE if index // 60 % 2 == 0 else Integrity.INTEGRITY_RISK
+        return (SAFE, (Integrity.SAFE,) * 4 + (heading,))
+
+    with listening({**TOPICS, **DIAGNOSTICS}) as ear, driver(cable.path), \
+            Device(cable, health=health):
+        assert wait_for(lambda: len(ear.heard['integrity']) >= 9, 20)
+        changes = ear.heard['integrity'][2:8]
+        assert says(ear, 'Integrity', DiagnosticStatus.WARN, 'magnetic_heading integrity risk')
+    reports = [(nanoseconds(array), item.level) for array in ear.heard['/diagnostics']
+               for item in array.status if item.name == 'bahrs_driver: Integrity']
+    for change in changes:
+        level = max((item.level for item in change.status), key=ord)
+        told = min(time for time, found in reports
+                   if time >= nanoseconds(change) and found == level)
+        assert told - nanoseconds(change) < 100_000_000
+
+
+def test_a_lost_cable_leaves_no_signal_safe(cable):
+    """The notice says so, and so do the diagnostics."""
+    topics = {**TOPICS, **DIAGNOSTICS}
+    with listening(topics) as ear, driver(cable.path):
+        with Device(cable):
+            ear.wait('imu/data', 20)
+            assert says(ear, 'Integrity', DiagnosticStatus.OK, 'All signals safe')
+        cable.close()
+        assert wait_for(lambda: ear.heard['integrity'] and {
+            item.message for item in ear.heard['integrity'][-1].status} == {'not_heard'})
+        assert says(ear, 'Integrity', DiagnosticStatus.STALE, 'Nothing heard')
+        assert status(ear, 'Link').level == DiagnosticStatus.ERROR
