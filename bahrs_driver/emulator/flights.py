@@ -1,0 +1,118 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The motions that there are to choose from."""
+
+from collections.abc import Callable, Sequence
+import math
+from typing import NamedTuple
+
+from bahrs_driver.emulator.motion import Change, Motion, Profile, Truth, truth
+
+AIRFIELD = 504.0        # m, pressure height
+RUNWAY = 300.0          # degrees, heading at rest
+_NOTHING = Change(0.0)
+_FLYING = Change(1.0)
+
+
+class Still:
+    """At rest, level, for as long as you like."""
+
+    def __init__(self, height: float = AIRFIELD, heading: float = RUNWAY) -> None:
+        """Stand at a height in m with a heading in degrees."""
+        track = Change(math.radians(heading))
+        self._truth = truth(_NOTHING, _NOTHING, track, _NOTHING, height)
+
+    def at(self, time: float) -> Truth:
+        """Return the truth, always the same."""
+        return self._truth
+
+
+class SteadyTurn:
+    """A level circle in the air, every direction once a minute."""
+
+    SPEED = 60.0                        # m/s
+    TURN_RATE = math.radians(6.0)       # rad/s
+    HEIGHT = 5000.0                     # m
+
+    def at(self, time: float) -> Truth:
+        """Return the truth at a time in seconds."""
+        track = Change(self.TURN_RATE * time, self.TURN_RATE)
+        return truth(Change(self.SPEED), _NOTHING, track, _FLYING, self.HEIGHT)
+
+
+class Phase(NamedTuple):
+    """A part of a flight, told by what is reached at its end."""
+
+    duration: float         # s
+    speed: float            # m/s over ground
+    climb: float            # m/s
+    turn: float             # degrees, by the end of the phase, positive to the right
+    wings: float = 1.0      # 0 on the ground, 1 in the air
+
+
+FLIGHT = (
+    Phase(3, 0, 0, 0, 0),           # at rest, heading 300
+    Phase(10, 8, 0, 40, 0),         # taxi
+    Phase(12, 8, 0, 60, 0),         # through north
+    Phase(15, 45, 0, 0, 0),         # take-off run on 040
+    Phase(8, 50, 6, 0),
+    Phase(8, 55, 12, 0),
+    Phase(40, 60, 12, 180),         # right, through east and south to 220
+    Phase(15, 60, 12, 0),
+    Phase(60, 65, 12, -270),        # left, through south and north to 310
+    Phase(89, 65, 12, 0),
+    Phase(80, 70, 12, 360),
+    Phase(80, 70, 12, 0),
+    Phase(80, 70, 12, -360),
+    Phase(12, 80, 0, 0),            # level off at 6,000 m
+    Phase(100, 80, 0, 360),
+    Phase(20, 80, 0, 0),
+    Phase(100, 80, 0, -360),
+    Phase(12, 80, -12, 0),          # descend
+    Phase(60, 75, -12, 0),
+    Phase(60, 70, -12, 180),
+    Phase(96, 70, -12, 0),
+    Phase(100, 65, -12, -360),
+    Phase(120, 60, -12, 0),
+    Phase(12, 50, -4, 0),           # approach
+    Phase(20, 45, -4, 0),
+    Phase(8, 40, 0, 0),             # flare
+    Phase(20, 5, 0, 0, 0),          # landing run
+    Phase(40, 5, 0, 170, 0),        # taxi back
+    Phase(8, 0, 0, 0, 0),
+)
+
+
+class Flight:
+    """
+    Rest, taxi, climb, turns both ways, descent, landing, and again from the beginning.
+
+    The phases must end as they began: at rest, at the same height and heading.
+    """
+
+    def __init__(self, phases: Sequence[Phase] = FLIGHT, height: float = AIRFIELD,
+                 heading: float = RUNWAY) -> None:
+        """Start at a height in m and a heading in degrees."""
+        headings = [heading + sum(phase.turn for phase in phases[:index + 1])
+                    for index in range(len(phases))]
+        self._height = height
+        self._speed = Profile(0, [(phase.duration, phase.speed) for phase in phases])
+        self._climb = Profile(0, [(phase.duration, phase.climb) for phase in phases])
+        self._wings = Profile(0, [(phase.duration, phase.wings) for phase in phases])
+        self._track = Profile(math.radians(heading), [
+            (phase.duration, math.radians(end)) for phase, end in zip(phases, headings)])
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the start of one round to the start of the next."""
+        return self._speed.duration
+
+    def at(self, time: float) -> Truth:
+        """Return the truth at a time in seconds."""
+        time %= self.duration
+        return truth(self._speed.at(time), self._climb.at(time), self._track.at(time),
+                     self._wings.at(time), self._height + self._climb.integral(time))
+
+
+MOTIONS: dict[str, Callable[[], Motion]] = {
+    'flight': Flight, 'still': Still, 'steady-turn': SteadyTurn}

@@ -1,0 +1,150 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+How the vehicle moves, and everything about it that a sensor could measure without error.
+
+A motion gives ground speed, climb rate, track and how far the wings are free to bank, each with
+its derivatives in closed form. All else follows from these four: the nose points along the
+velocity, the bank is that of a coordinated turn, the angular rate is that of the Euler angles,
+and the specific force is acceleration less gravity seen in body axes. So integrating the rates
+gives the attitude and the forces fit the path, to the last digit and at any time that is asked
+for. Axes are forward, right, down and north, east, down; the earth is flat and does not turn,
+the atmosphere is the standard one, and magnetic north is true north.
+"""
+
+from bisect import bisect_right
+from collections.abc import Iterable
+from itertools import accumulate
+import math
+from typing import NamedTuple, Protocol
+
+from bahrs_driver.protocol.layout import Vector
+
+GRAVITY = 9.80665           # m/s^2
+TURN = 2 * math.pi
+
+
+class Truth(NamedTuple):
+    """What is so at one instant: SI, radians, heading 0 to 2 pi."""
+
+    specific_force: Vector          # body axes
+    angular_rate: Vector            # body axes
+    roll: float
+    pitch: float
+    heading: float
+    pressure_height: float
+    velocity: Vector                # north, east, down
+
+    @property
+    def velocity_down(self) -> float:
+        """Vertical component of the velocity, positive downward."""
+        return self.velocity[2]
+
+
+class Motion(Protocol):
+    """A path through the air."""
+
+    def at(self, time: float) -> Truth:
+        """Return the truth at a time in seconds since the start, which is at least 0."""
+
+
+class Change(NamedTuple):
+    """A quantity at an instant, with its first and second derivative by time."""
+
+    value: float
+    first: float = 0.0
+    second: float = 0.0
+
+
+class Profile:
+    """
+    A quantity that goes smoothly from one value to the next.
+
+    Each step is a quintic, the least polynomial whose first and second derivatives vanish at both
+    ends. The integral is exact.
+    """
+
+    def __init__(self, start: float, steps: Iterable[tuple[float, float]]) -> None:
+        """Begin at start; each step is a duration in seconds and the value at its end."""
+        durations, values = zip(*steps)
+        self._starts: list[float] = [0.0, *accumulate(durations)]
+        self._durations: tuple[float, ...] = durations
+        self._values: list[float] = [start, *values]
+        areas = ((a + b) / 2 * duration
+                 for a, b, duration in zip(self._values, self._values[1:], durations))
+        self._integrals: list[float] = [0.0, *accumulate(areas)]
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the start to the end of the last step."""
+        return self._starts[-1]
+
+    def at(self, time: float) -> Change:
+        """Return the quantity at a time from 0 to the duration."""
+        _, x, duration, start, rise = self._step(time)
+        if not rise:
+            return Change(start)
+        y = 1 - x
+        return Change(start + rise * x ** 3 * (10 - 15 * x + 6 * x * x),
+                      rise * 30 * x * x * y * y / duration,
+                      rise * 60 * x * y * (y - x) / (duration * duration))
+
+    def integral(self, time: float) -> float:
+        """Return the integral of the quantity from 0 to a time."""
+        index, x, duration, start, rise = self._step(time)
+        return (self._integrals[index]
+                + duration * (start * x + rise * x ** 4 * (2.5 - 3 * x + x * x)))
+
+    def _step(self, time: float) -> tuple[int, float, float, float, float]:
+        index = min(bisect_right(self._starts, time), len(self._durations)) - 1
+        start, duration = self._values[index], self._durations[index]
+        return (index, (time - self._starts[index]) / duration, duration, start,
+                self._values[index + 1] - start)
+
+
+def truth(speed: Change, climb: Change, track: Change, wings: Change, height: float) -> Truth:
+    """
+    Return what follows from ground speed, climb rate and track.
+
+    wings tells how much of a coordinated turn's bank is flown: 0 on the ground, 1 in the air.
+    """
+    bank = _coordinated(speed, track)
+    roll = wings.value * bank.value
+    roll_rate = wings.first * bank.value + wings.value * bank.first
+    pitch, pitch_rate = _along_path(speed, climb)
+    sin_track, cos_track = math.sin(track.value), math.cos(track.value)
+    axes = math.sin(roll), math.cos(roll), math.sin(pitch), math.cos(pitch)
+    # Level axes: forward along the track, right, down.
+    force = _to_body(
+        (speed.first, speed.value * track.first, -climb.first - GRAVITY), axes)
+    p, q, r = _to_body((0.0, 0.0, track.first), axes)
+    rate = (p + roll_rate, q + axes[1] * pitch_rate, r - axes[0] * pitch_rate)
+    return Truth(
+        force, rate, roll, pitch, track.value % TURN, height,
+        (speed.value * cos_track, speed.value * sin_track, -climb.value))
+
+
+def _coordinated(speed: Change, track: Change) -> Change:
+    """Return the bank, with its rate, at which a turn pulls nobody sideways."""
+    ratio = speed.value * track.first / GRAVITY
+    ratio_rate = (speed.first * track.first + speed.value * track.second) / GRAVITY
+    return Change(math.atan(ratio), ratio_rate / (1 + ratio * ratio))
+
+
+def _along_path(speed: Change, climb: Change) -> tuple[float, float]:
+    """Return the pitch, and its rate, of a nose that points where the vehicle goes."""
+    if climb.value == climb.first == 0:
+        return 0.0, 0.0
+    square = speed.value ** 2 + climb.value ** 2
+    return (math.atan2(climb.value, speed.value),
+            (climb.first * speed.value - climb.value * speed.first) / square)
+
+
+def _to_body(level: Vector, axes: tuple[float, float, float, float]) -> Vector:
+    """Turn a vector from level axes by pitch and then by roll."""
+    forward, right, down = level
+    sin_roll, cos_roll, sin_pitch, cos_pitch = axes
+    below = sin_pitch * forward + cos_pitch * down
+    return (cos_pitch * forward - sin_pitch * down,
+            cos_roll * right + sin_roll * below,
+            cos_roll * below - sin_roll * right)

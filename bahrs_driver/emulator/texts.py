@@ -1,0 +1,38 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Numbers and names out of what a person typed; ValueError says in a sentence what is wrong."""
+
+from collections.abc import Iterable
+import math
+
+
+def number(text: str, what: str, low: float = 0.0, high: float = math.inf) -> float:
+    """Return the number in a text, which must lie between low and high."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not low <= value <= high or math.isinf(value):
+        raise ValueError(f'{what} is {text!r}: it must be a number{_limits(low, high)}')
+    return value
+
+
+def whole(text: str, what: str, low: int, high: int) -> int:
+    """Return the whole number in a text, which must lie between low and high."""
+    value = number(text, what, low, high)
+    if value != round(value):
+        raise ValueError(f'{what} is {text!r}: it must be a whole number{_limits(low, high)}')
+    return round(value)
+
+
+def known(name: str, what: str, names: Iterable[str]) -> str:
+    """Return a name that must be one of several."""
+    if name not in names:
+        raise ValueError(f'there is no {what} {name!r}, only {", ".join(names)}')
+    return name
+
+
+def _limits(low: float, high: float) -> str:
+    if math.isinf(high):
+        return '' if math.isinf(low) else f' of at least {low:g}'
+    return f' from {low:g} to {high:g}'

@@ -1,0 +1,49 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Bias and noise of measurements."""
+
+import statistics
+
+from bahrs_driver.emulator.noise import Noise, parse_bias, parse_deviation
+import pytest
+
+
+def test_without_parameters_the_truth_is_measured():
+    """To the last digit."""
+    assert Noise(1).add('specific_force', (0.1, -0.2, -9.8)) == (0.1, -0.2, -9.8)
+
+
+def test_deviation_and_bias_are_as_asked_for():
+    """Within what ten thousand samples tell."""
+    noise = Noise(3, {'pressure_height': 0.5}, {'pressure_height': (2.0,)})
+    errors = [noise.add('pressure_height', (100.0,))[0] - 100.0 for _ in range(10_000)]
+    assert statistics.mean(errors) == pytest.approx(2.0, abs=0.02)
+    assert statistics.pstdev(errors) == pytest.approx(0.5, rel=0.03)
+
+
+def test_the_seed_decides():
+    """The same seed gives the same noise, another one another."""
+    draws = [Noise(seed, {'angular_rate': 1.0}).add('angular_rate', (0.0,) * 3)
+             for seed in (1, 1, 2)]
+    assert draws[0] == draws[1] != draws[2]
+
+
+def test_texts_become_parameters():
+    """One value for each component of a bias."""
+    assert parse_deviation('angular_rate=0.001') == ('angular_rate', 0.001)
+    assert parse_bias('specific_force=0.1,0,-0.2') == ('specific_force', (0.1, 0.0, -0.2))
+    assert parse_bias('pressure_height=-3') == ('pressure_height', (-3.0,))
+
+
+@pytest.mark.parametrize(('parse', 'text', 'says'), [
+    (parse_deviation, 'force=1', "no quantity 'force', only specific_force"),
+    (parse_deviation, 'attitude', "noise of attitude is ''"),
+    (parse_deviation, 'attitude=-1', 'at least 0'),
+    (parse_bias, 'attitude=1', '3 components, not 1'),
+    (parse_bias, 'attitude=1,2,much', "is 'much'"),
+    (parse_bias, 'attitude=1,2,nan', "is 'nan'"),
+])
+def test_a_wrong_text_is_refused_with_a_reason(parse, text, says):
+    """In one sentence."""
+    with pytest.raises(ValueError, match=says):
+        parse(text)
