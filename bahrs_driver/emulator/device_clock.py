@@ -1,0 +1,47 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The clock of a device: microseconds that are a little longer or shorter than true ones."""
+
+import math
+import random
+
+MICROSECONDS = 1_000_000
+
+
+class DeviceClock:
+    """
+    Counts microseconds from power-on, in true time that is handed in.
+
+    Its rate is off by a constant drift and by a random walk, both in parts per million.
+    """
+
+    def __init__(self, seed: int, drift_ppm: float = 0.0, wander_ppm: float = 0.0,
+                 start_us: int = 0) -> None:
+        """Take drift, wander per square root of a second, and the reading at power-on."""
+        self.drift_ppm = drift_ppm
+        self._wander_ppm = wander_ppm
+        self._start_us = start_us
+        self._gauss = random.Random(f'clock {seed}').gauss
+        self._walk_ppm = 0.0
+        self.restart(0.0)
+
+    def restart(self, time: float) -> None:
+        """Begin anew at a true time in seconds, as power-on makes it."""
+        self.time = time
+        self.reading_us = self._start_us
+
+    def advance(self, duration_us: int) -> None:
+        """Let the reading go on by this much, and true time with it."""
+        self.reading_us += duration_us
+        seconds = duration_us / MICROSECONDS
+        self.time += seconds / self._rate
+        if self._wander_ppm:
+            self._walk_ppm += self._gauss(0.0, self._wander_ppm * math.sqrt(seconds))
+
+    def reading_at(self, time: float) -> int:
+        """Return what the clock reads at a true time close to the present."""
+        return self.reading_us + round((time - self.time) * self._rate * MICROSECONDS)
+
+    @property
+    def _rate(self) -> float:
+        return 1 + (self.drift_ppm + self._walk_ppm) / MICROSECONDS
