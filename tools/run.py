@@ -29,7 +29,7 @@ def main() -> int:
         if port is None:
             port = f'{folder}/bahrs'
             emulator = stack.enter_context(
-                process('bahrs', 'emulate', '--link', port, stdin=subprocess.DEVNULL,
+                process('bahrs', 'emulate', '--link', port, '--wait', stdin=subprocess.DEVNULL,
                         stderr=subprocess.DEVNULL))
             emulator.stdout.readline()      # it prints the port when there is one
         with open(f'{folder}/driver.log', 'w+') as log:

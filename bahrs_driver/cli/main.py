@@ -5,6 +5,7 @@
 import argparse
 from importlib import import_module
 import os
+import signal
 import sys
 
 from bahrs_driver.cli.errors import CommandError
@@ -13,6 +14,7 @@ from bahrs_driver.cli.errors import CommandError
 # need no ROS work without it.
 VERBS = {
     'decode': 'decode a recorded stream of bytes',
+    'emulate': 'be a sensor, on a serial port or into a file',
     'monitor': 'show the topics of the driver, live',
     'replay': 'play a recorded stream of bytes on a serial port',
 }
@@ -22,6 +24,8 @@ def main(args: list[str] | None = None) -> int:
     """Run one verb; 0 on success, 1 on failure, 2 on a mistake in the command line."""
     words = sys.argv[1:] if args is None else args
     verb = words[0] if words else ''
+    # What Ctrl-C tidies up is tidied up when somebody ends us in another way, too.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         options = _parser(verb).parse_args(words)
         status: int = options.run(options)

@@ -53,13 +53,14 @@ def test_every_byte_comes_at_the_rate_of_the_device(tmp_path, rate):
     assert not os.path.lexists(link)
 
 
-def test_interrupted(tmp_path):
-    """Ctrl-C ends it, and its link goes."""
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_interrupted(tmp_path, number):
+    """Ctrl-C ends it, or a signal from elsewhere, and its link goes."""
     file, link = tmp_path / 'data.bin', tmp_path / 'port'
     file.write_bytes(stream(1))
     with running('bahrs', 'replay', str(file), '--link', str(link)) as player:
         assert wait_for(lambda: player.lines)
-        assert player.end(signal.SIGINT) == 130
+        assert player.end(number) == 130
         assert 'Traceback' not in player.text
     assert not os.path.lexists(link)
 

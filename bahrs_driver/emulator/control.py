@@ -1,0 +1,110 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a person may tell an emulation while it runs, a line for each command."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from bahrs_driver.emulator.cable import adapter_mode
+from bahrs_driver.emulator.emulation import Emulation
+from bahrs_driver.emulator.faults import parse_fault
+from bahrs_driver.emulator.texts import known, number
+from bahrs_driver.protocol.integrity import Integrity
+
+INTEGRITIES = {'safe': Integrity.SAFE, 'risk': Integrity.INTEGRITY_RISK,
+               'unavailable': Integrity.UNAVAILABLE, 'reserved': Integrity.RESERVED}
+
+
+class ControlError(ValueError):
+    """A command cannot be carried out. The text says in one sentence what would be right."""
+
+
+class Command(NamedTuple):
+    """A command: its arguments, what it does in words, and how."""
+
+    arguments: str
+    summary: str
+    run: Callable[[Emulation, float, list[str]], None]
+
+
+def execute(line: str, emulation: Emulation, now: float) -> None:
+    """Carry out a line; ControlError if it is wrong. Empty ones and # comments do nothing."""
+    understood = _understand(line)
+    if understood is None:
+        return
+    command, words = understood
+    try:
+        command.run(emulation, now, words)
+    except ValueError as error:
+        raise ControlError(str(error)) from error
+
+
+def check(line: str) -> None:
+    """Raise ControlError if a line is no command, or has too many or too few words."""
+    _understand(line)
+
+
+def _understand(line: str) -> tuple[Command, list[str]] | None:
+    name, *words = line.split('#')[0].split() or ['']
+    if not name:
+        return None
+    try:
+        command = COMMANDS[known(name, 'command', COMMANDS)]
+    except ValueError as error:
+        raise ControlError(str(error)) from error
+    if len(words) != len(command.arguments.split()):
+        usage = f'{name} {command.arguments}'.strip()
+        raise ControlError(f'{line.strip()!r} is not understood: say "{usage}"')
+    return command, words
+
+
+def _integrity(emulation: Emulation, now: float, words: list[str]) -> None:
+    name, state = words
+    integrity = INTEGRITIES[known(state, 'integrity', INTEGRITIES)]
+    names = emulation.device.signals
+    chosen = names if name == 'all' else tuple(
+        signal for signal in names if signal == name or signal.startswith(name + '_'))
+    emulation.device.set_integrity(chosen or (known(name, 'signal', ('all', *names)),), integrity)
+
+
+def _fault(emulation: Emulation, now: float, words: list[str]) -> None:
+    emulation.faults.set_rate(*parse_fault(words[0]))
+
+
+def _latency_timer(emulation: Emulation, now: float, words: list[str]) -> None:
+    emulation.cable.mode = adapter_mode(words[0])
+
+
+def _unplug(emulation: Emulation, now: float, words: list[str]) -> None:
+    emulation.unplug(now, number(words[0], 'the time without a plug in seconds'))
+
+
+def _power_cycle(emulation: Emulation, now: float, words: list[str]) -> None:
+    emulation.device.power_cycle(now)
+
+
+def _drift(emulation: Emulation, now: float, words: list[str]) -> None:
+    emulation.device.set_drift(number(words[0], 'the drift in ppm', -1e5, 1e5))
+
+
+def _sync_pulse_rate(emulation: Emulation, now: float, words: list[str]) -> None:
+    emulation.device.set_pulse_rate(number(words[0], 'the rate of sync pulses in Hz', 0, 1000))
+
+
+def _quit(emulation: Emulation, now: float, words: list[str]) -> None:
+    emulation.ended = True
+
+
+COMMANDS = {
+    'integrity': Command('SIGNAL STATE', 'safe, risk, unavailable or reserved; SIGNAL may be '
+                         'all or specific_force', _integrity),
+    'fault': Command('NAME=RATE', 'change the rate of a fault', _fault),
+    'latency-timer': Command('MS', 'change the latency timer; also packets, none',
+                             _latency_timer),
+    'unplug': Command('SECONDS', 'take the port away and bring it back', _unplug),
+    'power-cycle': Command('', 'switch the device off and on again', _power_cycle),
+    'drift-ppm': Command('PPM', 'change the drift of the device clock', _drift),
+    'sync-pulse-rate': Command('HZ', 'change the rate of sync pulses; 0 is none',
+                               _sync_pulse_rate),
+    'quit': Command('', 'end the emulator', _quit),
+}

@@ -1,0 +1,45 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""An emulation with those who talk to it and those who watch it: scenario, commands, truth."""
+
+from collections import deque
+from collections.abc import Iterable
+
+from bahrs_driver.emulator.control import execute
+from bahrs_driver.emulator.emulation import Emulation, Sent
+from bahrs_driver.emulator.scenario import TimedCommand
+from bahrs_driver.emulator.truth_file import HostTime, TruthFile
+
+
+class Session:
+    """Moves an emulation on, carries out commands, and writes down what was so."""
+
+    def __init__(self, emulation: Emulation, scenario: Iterable[TimedCommand] = (),
+                 truth_file: TruthFile | None = None) -> None:
+        """Take the parts; a scenario is in the order of time."""
+        self.emulation = emulation
+        self._scenario = deque(scenario)
+        self._truth_file = truth_file
+
+    def advance(self, until: float, zero: HostTime) -> None:
+        """Let everything happen that is due by then; ControlError for a wrong scenario."""
+        while self._scenario and self._scenario[0].time <= until:
+            time, line = self._scenario.popleft()
+            self._note(self.emulation.advance(time), zero)
+            self.command(line, time, zero)
+        self._note(self.emulation.advance(until), zero)
+
+    def command(self, line: str, now: float, zero: HostTime) -> None:
+        """Carry out a command; ControlError if it is wrong."""
+        execute(line, self.emulation, now)
+        if self._truth_file and line.strip():
+            self._truth_file.event(line.strip(), now, zero)
+
+    def receive(self, data: bytes, now: float, zero: HostTime) -> None:
+        """Hand the device what the host sent."""
+        self._note(self.emulation.receive(data, now), zero)
+
+    def _note(self, all_sent: Iterable[Sent], zero: HostTime) -> None:
+        for sent in all_sent:
+            if self._truth_file:
+                self._truth_file.sent(sent, zero)

@@ -1,0 +1,189 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Commands, scenarios, and what they do to an emulation."""
+
+import io
+import json
+
+from bahrs_driver.emulator.cable import PACKETS
+from bahrs_driver.emulator.control import check, ControlError, execute
+from bahrs_driver.emulator.scenario import parse, ScenarioError, TimedCommand
+from bahrs_driver.emulator.session import Session
+from bahrs_driver.emulator.truth_file import HostTime, TruthFile
+from bahrs_driver.protocol.bahrs import Inertial, Navigation, SoftwareVersion
+from bahrs_driver.protocol.integrity import Integrity
+from emulated import decoded, make_device, make_emulation, on_the_wire
+import pytest
+
+SAFE, RISK, UNAVAILABLE = Integrity.SAFE, Integrity.INTEGRITY_RISK, Integrity.UNAVAILABLE
+
+
+def after(*lines, now=1.0):
+    """Return an emulation that was told some lines at a time."""
+    emulation = make_emulation()
+    on_the_wire(emulation, now)
+    for line in lines:
+        execute(line, emulation, now)
+    return emulation
+
+
+def last(emulation, kind, until=2.0):
+    """Return the last message of a kind up to a time."""
+    _, data = on_the_wire(emulation, until)
+    return [message for message in decoded(data) if isinstance(message, kind)][-1]
+
+
+def test_one_signal_at_risk():
+    """The others are as they were."""
+    message = last(after('integrity roll risk'), Navigation)
+    assert message.health == (SAFE, SAFE, RISK, SAFE, SAFE)
+
+
+def test_a_whole_quantity_and_everything():
+    """Specific force means its three components, all means all."""
+    assert last(after('integrity specific_force unavailable'), Inertial).health == (
+        UNAVAILABLE, UNAVAILABLE, UNAVAILABLE, SAFE, SAFE, SAFE)
+    everything = after('integrity all risk', 'integrity angular_rate_z safe')
+    assert last(everything, Inertial).health == (RISK,) * 5 + (SAFE,)
+    assert last(everything, Navigation, 3.0).health == (RISK,) * 5
+
+
+def test_faults_and_timer_change():
+    """While it runs."""
+    emulation = after('fault drop_frame=1', 'latency-timer packets')
+    assert emulation.cable.mode == PACKETS
+    sent, data = on_the_wire(emulation, 2.0)
+    assert sent and {item.wire for item in sent} == {'dropped'} and not data
+    assert emulation.faults.counts['drop_frame'] == len(sent)
+
+
+def test_the_power_switch():
+    """The device tells its version again."""
+    assert isinstance(last(after('power-cycle'), SoftwareVersion), SoftwareVersion)
+
+
+def test_the_plug():
+    """What is sent without it is lost, and known to be; then all is as before."""
+    emulation = after('unplug 0.5')
+    assert not emulation.plugged(1.4) and emulation.plugged(1.5)
+    sent, data = on_the_wire(emulation, 1.4)
+    assert {item.wire for item in sent} == {'unplugged'} and not data
+    sent, data = on_the_wire(emulation, 3.0)
+    assert len(decoded(data)) == sum(item.wire == 'intact' for item in sent) > 0
+
+
+def test_drift_and_pulses():
+    """They reach the device."""
+    emulation = after('drift-ppm -50', 'sync-pulse-rate 5', now=1.1)
+    assert emulation.device.clock.drift_ppm == -50.0
+    sent, _ = on_the_wire(emulation, 3.11)
+    assert sum(item.emission.name == 'sync_pulse_time' for item in sent) == 10
+
+
+def test_the_end():
+    """It is a state, and whoever runs the emulation looks at it."""
+    assert after('quit').ended and not after().ended
+
+
+def test_empty_lines_and_comments_do_nothing():
+    """And are no mistake."""
+    after('', '   ', '# integrity all risk')
+
+
+@pytest.mark.parametrize(('line', 'says'), [
+    ('explode', "no command 'explode', only integrity, fault"),
+    ('integrity roll', 'say "integrity SIGNAL STATE"'),
+    ('integrity yaw risk', "no signal 'yaw', only all, specific_force_x"),
+    ('integrity roll bad', "no integrity 'bad', only safe, risk"),
+    ('fault rust=1', "no fault 'rust', only bit_flip"),
+    ('fault bit_flip', "the rate of bit_flip is ''"),
+    ('latency-timer 0', 'from 1 to 255'),
+    ('unplug soon', "'soon': it must be a number of at least 0"),
+    ('power-cycle now', 'say "power-cycle"'),
+    ('drift-ppm fast', 'from -100000 to 100000'),
+    ('sync-pulse-rate -1', 'from 0 to 1000'),
+])
+def test_a_wrong_line_is_refused_with_a_reason(line, says):
+    """In one sentence, and nothing has changed."""
+    with pytest.raises(ControlError, match=says) as caught:
+        after(line)
+    assert '\n' not in str(caught.value)
+
+
+def test_a_scenario_is_in_the_order_of_time():
+    """Whatever the order of its lines."""
+    text = '20 integrity roll safe\n\n# a comment\n 12.5  integrity roll risk  # here\n'
+    assert parse(text.splitlines()) == [
+        TimedCommand(12.5, 'integrity roll risk'), TimedCommand(20.0, 'integrity roll safe')]
+
+
+@pytest.mark.parametrize(('line', 'says'), [
+    ('integrity roll risk', 'line 2 .*must be seconds and a command'), ('5', 'line 2'),
+    ('-1 quit', 'line 2'), ('inf quit', 'line 2'), ('5 explode', "line 2: .*no command 'explode'"),
+    ('5 integrity roll', 'line 2: .*say "integrity SIGNAL STATE"')])
+def test_a_wrong_scenario_is_refused_before_it_begins(line, says):
+    """With the number of the line."""
+    with pytest.raises(ScenarioError, match=says):
+        parse(['# first', line])
+
+
+def test_a_check_needs_no_emulation():
+    """It tells what can be told without one."""
+    check('quit')
+    with pytest.raises(ControlError):
+        check('quit now')
+
+
+def test_a_scenario_happens_at_its_time():
+    """To the sample, and the truth says so."""
+    file = io.StringIO()
+    scenario = parse(['1.005 integrity roll risk', '2.005 integrity roll safe',
+                      '2.505 unplug 0.2'])
+    session = Session(make_emulation(make_device()), scenario, TruthFile(file))
+    session.advance(3.0, HostTime(100, 2000))
+    messages = decoded(session.emulation.take(9.0))
+    states = [message.health[2] for message in messages if isinstance(message, Navigation)]
+    # Samples are at 0.60, 0.61, ... s; eight of them come before alignment.
+    assert states[8:155] == [SAFE] * 33 + [RISK] * 100 + [SAFE] * 14
+    lines = [json.loads(line) for line in file.getvalue().splitlines()]
+    events = [line for line in lines if 'event' in line]
+    assert events[0] == {'event': 'integrity roll risk', 'host_monotonic_ns': 1_005_000_100,
+                         'host_unix_ns': 1_005_002_000}
+    first_unplugged = next(line for line in lines if line.get('wire') == 'unplugged')
+    assert first_unplugged['host_monotonic_ns'] == pytest.approx(2_505_000_100, abs=5_000_001)
+
+
+def test_a_line_of_truth():
+    """Says what, when by all clocks, how it fared, and what was so."""
+    file = io.StringIO()
+    session = Session(make_emulation(make_device()), (), TruthFile(file))
+    session.advance(0.6, HostTime(10, 20))
+    lines = [json.loads(line) for line in file.getvalue().splitlines()]
+    inertial = next(line for line in lines if line['message'] == 'inertial')
+    assert inertial == {
+        'message': 'inertial', 'host_monotonic_ns': 600_000_010, 'host_unix_ns': 600_000_020,
+        'device_time_us': 600_000, 'specific_force': [0.0, 0.0, -9.80665],
+        'angular_rate': [0.0, 0.0, 0.0], 'sequence': 0, 'wire': 'intact'}
+    navigation = next(line for line in lines if line['message'] == 'navigation')
+    assert set(navigation) >= {'pressure_height', 'velocity_down', 'roll', 'pitch',
+                               'magnetic_heading', 'sequence', 'device_time_us'}
+
+
+def test_the_truth_can_be_read_while_it_is_written(tmp_path):
+    """Twice a second what was written so far becomes visible."""
+    with open(tmp_path / 'truth', 'w') as file:
+        session = Session(make_emulation(make_device()), (), TruthFile(file))
+        session.advance(5.0, HostTime())
+        last_line = (tmp_path / 'truth').read_text().splitlines()[-2]
+    assert json.loads(last_line)['host_monotonic_ns'] > 4_400_000_000
+
+
+def test_a_line_that_is_too_slow_loses_what_it_cannot_carry():
+    """And is used to the full."""
+    emulation = make_emulation(make_device(debug_rate=200.0))
+    sent, data = on_the_wire(emulation, 20.0)
+    kept = [item for item in sent if item.wire == 'intact']
+    assert {item.wire for item in sent} == {'intact', 'overrun'}
+    assert emulation.wire_counts['overrun'] == len(sent) - len(kept)
+    assert data == b''.join(item.emission.data for item in kept)
+    assert len(data) == pytest.approx(11520 * 19.4, rel=0.02)

@@ -1,0 +1,115 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The device's end of a pseudo-terminal."""
+
+import contextlib
+import os
+from pathlib import Path
+import select
+import threading
+
+from bahrs_driver.emulator.pty_port import PtyPort
+import pytest
+
+
+@contextlib.contextmanager
+def opened(path):
+    """Open the far end, as a driver does."""
+    descriptor = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    try:
+        yield descriptor
+    finally:
+        os.close(descriptor)
+
+
+def test_bytes_go_both_ways_unchanged():
+    """Control characters too."""
+    everything = bytes(range(256))
+    with PtyPort() as port, opened(port.path) as far:
+        port.write(everything)
+        assert os.read(far, 4096) == everything
+        os.write(far, everything)
+        assert port.read(1.0) == everything
+        assert port.read() == b''
+
+
+def test_it_knows_whether_somebody_is_there():
+    """Before, during and after."""
+    with PtyPort() as port:
+        assert not port.is_open and not port.wait_until_open(0.05)
+        assert port.read() == b''
+        port.write(b'lost')
+        assert port.write_at_once(b'lost') == 4
+        with opened(port.path) as far:
+            assert port.is_open and port.wait_until_open(0.0)
+            with pytest.raises(BlockingIOError):
+                os.read(far, 100)
+        assert not port.is_open and port.read() == b''
+
+
+def test_it_waits_for_somebody():
+    """Who comes from another thread."""
+    with PtyPort() as port, contextlib.ExitStack() as stack:
+        timer = threading.Timer(0.05, lambda: stack.enter_context(opened(port.path)))
+        timer.start()
+        assert port.wait_until_open(10.0)
+        timer.join()
+
+
+def test_a_reader_who_does_not_read_stops_nobody_who_will_not_wait():
+    """It is told how much went; the rest is lost, as on a real line."""
+    with PtyPort() as port, opened(port.path) as far:
+        taken = sum(port.write_at_once(bytes(1024)) for _ in range(1000))
+        assert 0 < taken < 1_024_000
+        got = 0
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                got += len(os.read(far, 65536))
+        assert 0 < got <= taken
+
+
+def test_unplugged_and_plugged_in_again_under_the_same_link(tmp_path):
+    """Who has it open sees it hang up; the link leads to the new one."""
+    link = tmp_path / 'port'
+    with PtyPort(str(link)) as port, opened(link) as far:
+        assert port.name == str(link) and os.readlink(link) == port.path
+        port.close()
+        assert not os.path.lexists(link)
+        poll = select.poll()
+        poll.register(far)
+        assert poll.poll(0)[0][1] & select.POLLHUP
+        with PtyPort(str(link)) as again, opened(link) as far_again:
+            again.write(b'back')
+            assert os.read(far_again, 10) == b'back'
+    assert not os.path.lexists(link)
+
+
+def test_closing_twice_does_no_harm():
+    """The second time nothing happens."""
+    port = PtyPort()
+    port.close()
+    port.close()
+
+
+def test_what_is_no_link_is_left_alone(tmp_path):
+    """A file is not overwritten; an old link is."""
+    file, link = tmp_path / 'file', tmp_path / 'link'
+    file.write_text('precious')
+    with pytest.raises(FileExistsError, match='not a symbolic link'):
+        PtyPort(str(file))
+    assert file.read_text() == 'precious'
+    link.symlink_to('/nowhere')
+    with PtyPort(str(link)) as port:
+        assert os.readlink(link) == port.path
+
+
+def test_a_link_that_leads_elsewhere_by_now_stays(tmp_path):
+    """It belongs to another emulator that was started later."""
+    link = tmp_path / 'port'
+    with PtyPort(str(link)), PtyPort(str(link)) as later:
+        assert os.readlink(link) == later.path
+    with PtyPort(str(link)) as first:
+        link.unlink()
+        link.symlink_to('/elsewhere')
+        first.close()
+        assert Path(os.readlink(link)) == Path('/elsewhere')
