@@ -20,7 +20,7 @@ from bahrs_driver.emulator.emulation import Emulation
 from bahrs_driver.emulator.faults import Faults, NAMES as FAULTS, parse_fault
 from bahrs_driver.emulator.flights import MOTIONS
 from bahrs_driver.emulator.noise import DEVIATIONS, Noise, parse_bias, parse_deviation
-from bahrs_driver.emulator.nvm_image import made_up_image, PAGES, SIZE
+from bahrs_driver.emulator.nvm_image import made_up_image, SIZE
 from bahrs_driver.emulator.pulses import Pulses
 from bahrs_driver.emulator.runner import ControlInput, PacedRun, run_to_file
 from bahrs_driver.emulator.scenario import parse, TimedCommand
@@ -28,6 +28,7 @@ from bahrs_driver.emulator.session import Session
 from bahrs_driver.emulator.texts import number, whole
 from bahrs_driver.emulator.truth_file import HostTime, TruthFile
 from bahrs_driver.protocol.bahrs import VERSIONS
+from bahrs_driver.protocol.nvm import PAGES
 
 Value = TypeVar('Value')
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 import math
 from typing import Literal
 
-from bahrs_driver.emulator.nvm_image import made_up_image, page, PAGES
+from bahrs_driver.emulator.nvm_image import made_up_image, page
 from bahrs_driver.protocol.bahrs import (
     Acknowledgement,
     BahrsMessage,
@@ -27,6 +27,7 @@ from bahrs_driver.protocol.bahrs import (
 )
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat, frame_size
 from bahrs_driver.protocol.framing import Frame, Framer
+from bahrs_driver.protocol.nvm import PAGES
 
 INACTIVITY = 5.0                # s without a request
 POWER_ON_WINDOW = 0.5           # s

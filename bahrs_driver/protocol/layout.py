@@ -85,6 +85,16 @@ def integers(code: str, count: int) -> Row:
     return Row(code, tuple, tuple, count=count)
 
 
+def real(code: str, unit: str = '') -> Row:
+    """Return the row of a floating-point number that stands for itself."""
+    return Row(code, _same, float, unit=unit)
+
+
+def reals(code: str, count: int, unit: str = '') -> Row:
+    """Return the row of several floating-point numbers."""
+    return Row(code, tuple, tuple, count=count, unit=unit)
+
+
 def text(size: int) -> Row:
     """Return the row of a Latin-1 string that zero bytes fill up to its size."""
 

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 from bahrs_driver.convert.axes import flu_to_enu, quaternion_from_euler
 from bahrs_driver.emulator.flights import Flight
+from bahrs_driver.link import Link
 from bahrs_driver.parameters import PARAMETERS
 from bahrs_driver.protocol.bahrs import FORCE, RATE, VELOCITY
 from bahrs_driver.sensors import SENSORS
@@ -26,7 +27,8 @@ HALF_QUANTUM = 0.5001
 def sensor(convention):
     """Return the parts that the node uses, with its default parameters."""
     settings = {parameter.name: parameter.default for parameter in PARAMETERS}
-    return SENSORS['bahrs']({**settings, 'frame_convention': convention})
+    return SENSORS['bahrs']({**settings, 'frame_convention': convention},
+                            Link('loop://', 115200))
 
 
 @pytest.fixture(scope='module')
