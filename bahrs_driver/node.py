@@ -17,6 +17,7 @@ from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.self_test import answer
 from bahrs_driver.diagnostics.task import Task
 from bahrs_driver.link import Link
+from bahrs_driver.nvm_services import NvmServices
 from bahrs_driver.parameters import declare, ParameterError, unknown_names
 from bahrs_driver.receiver import Received, Receiver
 from bahrs_driver.sensors import SENSORS
@@ -24,7 +25,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from diagnostic_msgs.srv import SelfTest
 import rclpy
 from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -34,6 +35,7 @@ from rclpy.utilities import remove_ros_args
 
 QUEUE_DEPTH = 100               # half a second of the fastest topic
 DIAGNOSTICS_PERIOD = 1.0        # s
+SERVICE_THREADS = 3             # so that a service that takes long holds up nothing
 
 
 class DriverNode(Node):
@@ -45,8 +47,8 @@ class DriverNode(Node):
         settings = declare(self)
         for sentence in unknown_names(self):
             self.get_logger().warning(sentence)
-        self._sensor = sensor = SENSORS[settings['sensor']](settings)
         self._link = _link(settings)
+        self._sensor = sensor = SENSORS[settings['sensor']](settings, self._link)
         self.receiver = Receiver(self._link, sensor.framer, sensor.codec, self)
         self._counts = dict.fromkeys(sensor.topics, 0)
         self._monitor = self._make_monitor(settings)
@@ -55,6 +57,13 @@ class DriverNode(Node):
         self._diagnostics = self._publisher(DiagnosticArray, '/diagnostics')
         self.create_timer(DIAGNOSTICS_PERIOD, self._report)
         self.create_service(SelfTest, '~/self_test', self._self_test)
+        if sensor.nvm:
+            self._nvm_services = NvmServices(self, sensor.nvm)
+
+    def leave_device(self) -> None:
+        """Have the device told to leave diagnostics mode, if it is in it for us."""
+        if self._sensor.nvm:
+            self._sensor.nvm.cancel('the driver is ending')
 
     def link_opened(self) -> None:
         """Note that another stream begins."""
@@ -66,14 +75,19 @@ class DriverNode(Node):
         """Tell why there is no data."""
         self.get_logger().error(reason)
         self._publish(self._sensor.converter.lost(time.time_ns()))
+        if self._sensor.nvm:
+            self._sensor.nvm.lost(reason)
         self._report()
 
     def received(self, batch: list[Received]) -> None:
         """Publish what the messages of one read become."""
         now = time.monotonic()
-        for message, _, stamp_ns in batch:
-            self._sensor.health.observe(message, now)
-            self._publish(self._sensor.converter.convert(message, stamp_ns))
+        sensor = self._sensor
+        for message, frame, stamp_ns in batch:
+            sensor.health.observe(message, now)
+            if sensor.nvm:
+                sensor.nvm.receive(message, frame)
+            self._publish(sensor.converter.convert(message, stamp_ns))
         if self._monitor.level_changed():
             self._report()
 
@@ -146,15 +160,16 @@ def _run(ended: Event) -> None:
     The main thread waits for the signal, so that the port is let go while ROS is still whole.
     """
     node = DriverNode()
-    executor = SingleThreadedExecutor()
+    executor = MultiThreadedExecutor(SERVICE_THREADS)
     executor.add_node(node)
     with ThreadPoolExecutor(max_workers=2) as pool:
         threads = [pool.submit(node.receiver.run), pool.submit(executor.spin)]
         for thread in threads:
             thread.add_done_callback(lambda _: ended.set())
         ended.wait()
-        node.receiver.stop()
+        node.leave_device()
         executor.shutdown()
+        node.receiver.stop()
         for thread in threads:
             thread.result()
     node.destroy_node()

@@ -4,7 +4,7 @@
 Every parameter of the node, in one table.
 
 The table is what the node declares, what `ros2 param describe` tells, and what the README shows.
-All parameters are read once, at the start.
+Parameters are read once, at the start, but for those that a service looks at when it is called.
 """
 
 from collections.abc import Mapping
@@ -37,6 +37,7 @@ class Parameter:
     low: float | None = None
     high: float | None = None
     choices: tuple[str, ...] = ()
+    read_only: bool = True          # or looked at whenever it is needed
 
     @property
     def valid(self) -> str:
@@ -66,7 +67,7 @@ class Parameter:
         """Return what rclpy wants to know of the parameter."""
         unit = f' [{self.unit}]' if self.unit else ''
         descriptor = ParameterDescriptor(
-            name=self.name, description=self.description + unit, read_only=True,
+            name=self.name, description=self.description + unit, read_only=self.read_only,
             additional_constraints=f'must be {self.valid}' if self.choices else '')
         if isinstance(self.default, float) and self.low is not None and self.high is not None:
             descriptor.floating_point_range = [
@@ -139,6 +140,18 @@ PARAMETERS = (
               'Order in which the CRC of a frame takes its bytes: 32-bit words, as devices do, '
               'or single bytes, as the protocol document says.',
               choices=('auto', 'word', 'byte')),
+    Parameter('nvm.page', 0, 'Page that the service ~/nvm/read_page reads.', low=0, high=249,
+              read_only=False),
+    Parameter('nvm.dump_path', '~/bahrs_nvm.bin', 'File that the service ~/nvm/dump writes.',
+              read_only=False),
+    Parameter('nvm.enter_timeout', 30.0,
+              'How long to ask the device to enter diagnostics mode. Many do so only within 0.5 s '
+              'of power-on: call the service, then switch the device off and on.', 's',
+              low=1.0, high=600.0),
+    Parameter('nvm.service_frames', 'auto',
+              'Checksum and padding of what is sent to the device: auto tries all, those of the '
+              "maker's tool (crc32) first, then those of the document (mpeg2_padded).",
+              choices=('auto', 'crc32', 'mpeg2', 'crc32_padded', 'mpeg2_padded')),
 )
 
 

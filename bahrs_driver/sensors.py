@@ -18,6 +18,8 @@ from bahrs_driver.convert.bahrs import (
 from bahrs_driver.convert.worth import Appraisal
 from bahrs_driver.diagnostics.bahrs_health import BahrsHealth
 from bahrs_driver.diagnostics.task import Task
+from bahrs_driver.link import Link
+from bahrs_driver.nvm_reader import NvmReader
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.receiver import Codec
@@ -59,21 +61,24 @@ class Sensor:
     topics: Mapping[str, type]
     latched: Container[str]                         # topics that a late joiner gets the last of
     protocol: Callable[[], Mapping[str, str]]       # what was detected, for diagnostics
+    nvm: NvmReader | None                           # for devices whose memory can be read
 
 
-def bahrs(settings: Mapping[str, Any]) -> Sensor:
-    """Return the parts for a BAHRS."""
+def bahrs(settings: Mapping[str, Any], link: Link) -> Sensor:
+    """Return the parts for a BAHRS on a link."""
     frame_format = BahrsFormat(settings['crc_order'])
     converter = BahrsConverter(_bahrs_options(settings))
+    nvm = NvmReader(link, lambda: frame_format.version_seen, settings['nvm.enter_timeout'],
+                    settings['nvm.service_frames'])
     health = BahrsHealth(converter.signals, settings['diagnostics.rate_tolerance'],
-                         settings['diagnostics.silence_timeout'])
+                         settings['diagnostics.silence_timeout'], lambda: nvm.status)
 
     def protocol() -> Mapping[str, str]:
         return {'Protocol version': str(frame_format.version_seen or 'not seen yet'),
                 'CRC order': frame_format.order_seen or 'not seen yet'}
 
     return Sensor(Framer(frame_format), BahrsCodec(settings['pressure_height.format']), converter,
-                  health, BAHRS_TOPICS, BAHRS_LATCHED, protocol)
+                  health, BAHRS_TOPICS, BAHRS_LATCHED, protocol, nvm)
 
 
 def _bahrs_options(settings: Mapping[str, Any]) -> BahrsOptions:
@@ -93,4 +98,4 @@ def _bahrs_options(settings: Mapping[str, Any]) -> BahrsOptions:
                             settings['integrity.risk_inflation']))
 
 
-SENSORS: dict[str, Callable[[Mapping[str, Any]], Sensor]] = {'bahrs': bahrs}
+SENSORS: dict[str, Callable[[Mapping[str, Any], Link], Sensor]] = {'bahrs': bahrs}

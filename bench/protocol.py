@@ -13,6 +13,7 @@ import struct
 import time
 import zlib
 
+from bahrs_driver.link import Link
 from bahrs_driver.parameters import PARAMETERS
 from bahrs_driver.protocol.bahrs import Accuracy, Inertial, InertialTime, Navigation
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
@@ -77,7 +78,8 @@ def main() -> None:
     found, codec = framing(), BahrsCodec()
     assert len(found) == len(pieces)
     messages = [codec.decode(frame) for frame in found]
-    sensor = bahrs({parameter.name: parameter.default for parameter in PARAMETERS})
+    sensor = bahrs({parameter.name: parameter.default for parameter in PARAMETERS},
+                   Link('loop://', 115200))
 
     def convert() -> None:
         for index, message in enumerate(messages):

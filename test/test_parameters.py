@@ -18,7 +18,8 @@ def test_every_row_is_complete(parameter):
     assert parameter.description.endswith('.')
     parameter.check(parameter.default)
     descriptor = parameter.descriptor()
-    assert descriptor.read_only and parameter.description in descriptor.description
+    assert parameter.description in descriptor.description
+    assert descriptor.read_only == (parameter.name not in ('nvm.page', 'nvm.dump_path'))
     if isinstance(parameter.default, float):
         assert descriptor.floating_point_range[0].to_value == parameter.high
     for choice in parameter.choices:

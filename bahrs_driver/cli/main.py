@@ -16,6 +16,7 @@ VERBS = {
     'decode': 'decode a recorded stream of bytes',
     'emulate': 'be a sensor, on a serial port or into a file',
     'monitor': 'show the topics of the driver, live',
+    'nvm': 'read the non-volatile memory of a device, or show an image of it',
     'replay': 'play a recorded stream of bytes on a serial port',
 }
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tasks that are about a BAHRS and its stream."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from bahrs_driver.diagnostics.device_task import DeviceTask
@@ -21,10 +21,10 @@ class BahrsHealth:
     """Watches the messages of a BAHRS."""
 
     def __init__(self, signals: Mapping[str, Integrity | None], rate_tolerance: float,
-                 stale_timeout: float) -> None:
-        """Take the present integrity of each signal, kept up to date by its owner."""
+                 stale_timeout: float, nvm_status: Callable[[], str]) -> None:
+        """Take the integrity of each signal, kept up to date by its owner, and the NVM's state."""
         self._rates = RatesTask(EXPECTED_RATES, rate_tolerance, stale_timeout)
-        self._device = DeviceTask()
+        self._device = DeviceTask(nvm_status)
         self.tasks: Sequence[Task] = (self._rates, SignalsTask(signals), self._device)
 
     def observe(self, message: Any, now: float) -> None:

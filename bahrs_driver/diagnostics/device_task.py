@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Task *Device*: what the device says of itself."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from bahrs_driver.diagnostics.task import OK, Verdict, WARN
@@ -17,8 +17,9 @@ class DeviceTask:
 
     name = 'Device'
 
-    def __init__(self) -> None:
-        """Begin with nothing known."""
+    def __init__(self, nvm_status: Callable[[], str] = lambda: 'none') -> None:
+        """Begin with nothing known; nvm_status tells of a session that reads the memory."""
+        self._nvm_status = nvm_status
         self._software: SoftwareVersion | None = None
         self._hardware: HardwareVersion | None = None
         self._impossible_height = False
@@ -57,6 +58,7 @@ class DeviceTask:
         if self._hardware:
             values['MCU'] = f'0x{self._hardware.mcu_id:04X}'
             values['MCU unique number'] = _words(self._hardware)
+        values['NVM session'] = self._nvm_status()
         return values
 
     @staticmethod

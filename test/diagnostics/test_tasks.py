@@ -212,7 +212,8 @@ def test_device_tells_what_it_is():
     task.observe(HardwareVersion(0x450, (1, 2, 0xABCDEF01)))
     assert task.hardware_id == 'OSS-0000000100000002ABCDEF01'
     assert task.values(0.0) == {'Software version': 'OSS 2.7', 'MCU': '0x0450',
-                                'MCU unique number': '0000000100000002ABCDEF01'}
+                                'MCU unique number': '0000000100000002ABCDEF01',
+                                'NVM session': 'none'}
 
 
 def test_an_impossible_height_names_the_parameter():

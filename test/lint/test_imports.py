@@ -21,10 +21,14 @@ MAY_IMPORT = {
     'convert': {'convert', 'clock', 'protocol'},
     'emulator': {'emulator', 'clock', 'protocol'},
     'parameters': set(),
-    'sensors': {'convert', 'diagnostics', 'receiver', 'protocol'},
+    'whole_file': set(),
+    'nvm_reader': {'link', 'protocol'},
+    'nvm_services': {'nvm_reader', 'whole_file', 'protocol'},
+    'sensors': {'convert', 'diagnostics', 'nvm_reader', 'receiver', 'link', 'protocol'},
     'diagnostics': {'diagnostics', 'receiver', 'link', 'protocol'},
-    'node': {'parameters', 'sensors', 'diagnostics', 'receiver', 'link'},
-    'cli': {'cli', 'convert', 'emulator', 'link', 'clock', 'protocol'},
+    'node': {'parameters', 'sensors', 'diagnostics', 'nvm_services', 'receiver', 'link'},
+    'cli': {'cli', 'convert', 'emulator', 'nvm_reader', 'whole_file', 'receiver', 'link', 'clock',
+            'protocol'},
     '__init__': set(),
 }
 DEAF = {'protocol', 'clock'}

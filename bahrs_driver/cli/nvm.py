@@ -1,0 +1,204 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""`bahrs nvm`: read the device's non-volatile memory, and show what is in it."""
+
+import argparse
+from collections.abc import Iterator, Sequence
+import contextlib
+from dataclasses import fields
+import hashlib
+from pathlib import Path
+import sys
+import threading
+from typing import Any
+
+from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.cli.files import binary_input
+from bahrs_driver.link import Link
+from bahrs_driver.nvm_reader import NvmError, NvmReader
+from bahrs_driver.protocol.bahrs import Inertial
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.protocol.nvm import NvmSession, PAGES, State, VARIANTS
+from bahrs_driver.protocol.nvm_image import Assertions, Found, parse
+from bahrs_driver.receiver import Received, Receiver
+from bahrs_driver.whole_file import write_whole
+from rich.console import Console
+from rich.progress import Progress
+
+LISTEN_TIME = 1.0       # s in which a device that streams is heard
+
+_EXAMPLES = """examples:
+  bahrs nvm read 0 --port /dev/ttyUSB0
+  bahrs nvm dump device.bin --port /dev/ttyUSB0
+  bahrs nvm show device.bin
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the verb and its options."""
+    parser.description = (
+        'Read the 250 pages of the memory, which is never written to. While it is read the\n'
+        'device is in diagnostics mode and sends no data.')
+    parser.epilog = _EXAMPLES
+    actions = parser.add_subparsers(dest='action', metavar='ACTION', required=True)
+    read = actions.add_parser('read', help='print one page in hexadecimal')
+    read.add_argument('page', type=int, help=f'number of the page, 0 to {PAGES - 1}')
+    dump = actions.add_parser('dump', help='write all pages into a file')
+    dump.add_argument('file', help='file to write, whole or not at all')
+    for action in (read, dump):
+        action.add_argument('--port', default='/dev/ttyUSB0',
+                            help='path or pyserial URL (default: %(default)s)')
+        action.add_argument('--baud-rate', type=int, default=115200, metavar='BAUD',
+                            help='(default: %(default)s)')
+        action.add_argument('--enter-timeout', type=float, default=30.0, metavar='SECONDS',
+                            help='how long to ask the device to enter diagnostics mode '
+                                 '(default: %(default)s)')
+        action.add_argument('--service-frames', choices=('auto', *VARIANTS), default='auto',
+                            help='checksum and padding of requests (default: %(default)s)')
+        action.add_argument('--yes', action='store_true',
+                            help='do not ask before a stream is stopped')
+    show = actions.add_parser('show', help='say what is in an image')
+    show.add_argument('file', help='image of the memory; - is standard input')
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do what was asked for; 1 if it cannot be done or an image is damaged."""
+    return {'read': _read, 'dump': _dump, 'show': _show}[options.action](options)
+
+
+def _read(options: argparse.Namespace) -> int:
+    if not 0 <= options.page < PAGES:
+        raise CommandError(f'page {options.page} does not exist: pages are 0 to {PAGES - 1}')
+    print(_pages(options, [options.page]).hex())
+    return 0
+
+
+def _dump(options: argparse.Namespace) -> int:
+    path = Path(options.file)
+    if not path.parent.is_dir():
+        raise CommandError(f'cannot write {path}: no such folder')
+    image = _pages(options, range(PAGES))
+    try:
+        write_whole(path, image)
+    except OSError as error:
+        raise CommandError(f'cannot write {path}: {error.strerror}') from error
+    print(f'{path}: {len(image):,} bytes, SHA-256 {hashlib.sha256(image).hexdigest()}')
+    return 0
+
+
+def _pages(options: argparse.Namespace, wanted: Sequence[int]) -> bytes:
+    with _device(options) as device:
+        if device.streams(LISTEN_TIME) and not options.yes:
+            _ask()
+        try:
+            with Progress(console=Console(stderr=True), transient=True) as progress:
+                task = progress.add_task('', total=1.0)
+                pages = device.reader.read(wanted, lambda session: progress.update(
+                    task, completed=session.progress, description=_description(session)))
+        except NvmError as error:
+            raise CommandError(str(error)) from error
+    return b''.join(pages[number] for number in wanted)
+
+
+def _description(session: NvmSession) -> str:
+    if session.state is State.ENTERING:
+        return 'asking to enter diagnostics mode (if it goes on: switch the device off and on)'
+    return str(session.state.value)
+
+
+def _ask() -> None:
+    if not sys.stdin.isatty():
+        raise CommandError('the device streams, and reading its memory stops that: say --yes')
+    print('The device streams. Reading its memory stops that for some seconds. Go on? [y/N] ',
+          end='', file=sys.stderr, flush=True)
+    if sys.stdin.readline().strip().lower() not in ('y', 'yes'):
+        raise CommandError('nothing was done')
+
+
+class Device:
+    """A device that is listened to, and whose memory can be read."""
+
+    def __init__(self, link: Link, options: argparse.Namespace) -> None:
+        """Make the parts."""
+        frame_format = BahrsFormat()
+        self.failure = ''
+        self.reader = NvmReader(link, lambda: frame_format.version_seen, options.enter_timeout,
+                                options.service_frames)
+        self.receiver = Receiver(link, Framer(frame_format), BahrsCodec(), self)
+        self._opened = threading.Event()
+        self._streams = threading.Event()
+
+    def streams(self, timeout: float) -> bool:
+        """Wait for a port that works (CommandError), and return whether data comes."""
+        self._opened.wait()
+        if self.failure:
+            raise CommandError(self.failure)
+        return self._streams.wait(timeout)
+
+    def link_opened(self) -> None:
+        """Take note that there is a port."""
+        self._opened.set()
+
+    def link_failed(self, reason: str) -> None:
+        """Take note that there is none, or no longer one."""
+        self.failure = reason
+        self._opened.set()
+        self.reader.lost(reason)
+
+    def received(self, batch: list[Received]) -> None:
+        """Hand over what the device says."""
+        for message, frame, _ in batch:
+            if isinstance(message, Inertial):
+                self._streams.set()
+            self.reader.receive(message, frame)
+
+
+@contextlib.contextmanager
+def _device(options: argparse.Namespace) -> Iterator[Device]:
+    try:
+        device = Device(Link(options.port, options.baud_rate), options)
+    except ValueError as error:
+        raise CommandError(f'{options.port} cannot be opened: {error}') from error
+    thread = threading.Thread(target=device.receiver.run, name='receiver')
+    thread.start()
+    try:
+        yield device
+    finally:
+        device.receiver.stop()
+        thread.join()
+
+
+def _show(options: argparse.Namespace) -> int:
+    with binary_input(options.file) as file:
+        image = file.read()
+    try:
+        blocks = list(parse(image))
+    except ValueError as error:
+        raise CommandError(f'{options.file} is no image: {error}') from error
+    for found in blocks:
+        _print_block(found)
+    damaged = [found.block.NAME for found in blocks if found.intact is False]
+    if damaged:
+        print(f"bahrs nvm: damaged: {', '.join(damaged)}", file=sys.stderr)
+    return bool(damaged)
+
+
+def _print_block(found: Found) -> None:
+    block = found.block
+    verdict = {True: 'CRC good', False: 'CRC BAD', None: 'no CRC'}[found.intact]
+    print(f'{block.NAME} ({verdict})')
+    if isinstance(block, Assertions):
+        print(f'  {"position":<20}{block.position}')
+        for line in block.log.splitlines() or ['none']:
+            print(f'  {line}')
+        return
+    for item in fields(block):
+        unit = item.metadata['rows'][1].unit
+        print(f'  {item.name:<20}{_plain(getattr(block, item.name))} {unit}'.rstrip())
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, tuple):
+        return ' '.join(_plain(item) for item in value)
+    return f'{value:.6g}' if isinstance(value, float) else str(value)

@@ -1,0 +1,145 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of sessions on a link that somebody else reads."""
+
+import gc
+import threading
+import time
+import tracemalloc
+
+from bahrs_driver.emulator.bahrs_diagnostics import DiagnosticsMode, ServiceHabits
+from bahrs_driver.link import LinkError
+from bahrs_driver.nvm_reader import NvmError, NvmReader
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec
+from bahrs_driver.protocol.framing import Frame
+from processes import wait_for
+import pytest
+
+IMAGE = bytes(index * 13 % 256 for index in range(8000))
+
+
+class Device:
+    """A link with a device at its end; whoever reads the link hands over its answers."""
+
+    def __init__(self, **habits):
+        """Answer at once, unless told to be silent."""
+        self._mode = DiagnosticsMode(ServiceHabits(image=IMAGE, **habits))
+        self._codec = BahrsCodec()
+        self.reader = NvmReader(self, lambda: 3, enter_timeout=1.0)
+        self.silent = False
+        self.broken = False
+
+    def write(self, data):
+        """Take what the host sends."""
+        if self.broken:
+            raise LinkError('the port is gone')
+        if self.silent:
+            return
+        for message in self._mode.receive(data, time.monotonic()):
+            frame = Frame(0, self._codec.encode(message, 3), 'crc32')
+            threading.Timer(0.0, self.reader.receive, (message, frame)).start()
+
+    @property
+    def active(self):
+        """Whether the device is in diagnostics mode."""
+        return self._mode.active(time.monotonic())
+
+
+@pytest.fixture
+def in_background():
+    """Give a function that reads all pages in another thread, and waits for it at the end."""
+    threads = []
+
+    def start(device):
+        result = {}
+
+        def work():
+            try:
+                result['pages'] = device.reader.read()
+            except NvmError as error:
+                result['error'] = str(error)
+        threads.append(threading.Thread(target=work))
+        threads[-1].start()
+        assert wait_for(lambda: device.reader.busy)
+        return result, threads[-1]
+
+    yield start
+    for thread in threads:
+        thread.join()
+
+
+def test_pages():
+    """By number."""
+    device = Device()
+    assert device.reader.read([3, 249]) == {3: IMAGE[96:128], 249: IMAGE[-32:]}
+    assert not device.active and not device.reader.busy
+
+
+def test_failure_has_its_reason():
+    """And leaves the reader as it was."""
+    device = Device(error_pages=frozenset({1}))
+    with pytest.raises(NvmError, match='cannot read page 1'):
+        device.reader.read([1])
+    assert device.reader.read([2]) == {2: IMAGE[64:96]}
+
+
+def test_only_one_at_a_time(in_background):
+    """The second is refused at once; the first goes on until it is cancelled."""
+    device = Device()
+    device.silent = True
+    result, thread = in_background(device)
+    with pytest.raises(NvmError, match='another NVM request is under way'):
+        device.reader.read([0])
+    assert device.reader.status == 'asking the device to enter diagnostics mode'
+    assert device.reader.cancel()
+    thread.join()
+    assert result == {'error': 'cancelled'}
+    assert not device.reader.cancel() and device.reader.status == 'none'
+
+
+def test_lost_link(in_background):
+    """Whoever waits is told at once."""
+    device = Device()
+    device.silent = True
+    result, thread = in_background(device)
+    device.reader.lost('/dev/ttyUSB0 is gone')
+    thread.join()
+    assert result == {'error': '/dev/ttyUSB0 is gone'}
+
+
+def test_link_that_takes_no_data():
+    """The reason is that of the link."""
+    device = Device()
+    device.broken = True
+    with pytest.raises(NvmError, match='the port is gone'):
+        device.reader.read([0])
+
+
+def test_an_exception_does_not_leave_the_device_in_its_mode():
+    """Ctrl-C is one: the device is told to leave before it goes on."""
+    device = Device()
+
+    def interrupt(session):
+        if len(session.pages) == 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        device.reader.read(range(250), interrupt)
+    assert not device.active and not device.reader.busy
+
+
+def test_a_thousand_sessions_leak_nothing():
+    """No thread, and no memory to speak of."""
+    device = Device()
+    for _ in range(20):
+        device.reader.read([0])
+    gc.collect()
+    tracemalloc.start()
+    before = tracemalloc.get_traced_memory()[0]
+    for number in range(1000):
+        assert len(device.reader.read([number % 250])) == 1
+    assert wait_for(lambda: threading.active_count() < 20)
+    gc.collect()
+    grown = tracemalloc.get_traced_memory()[0] - before
+    tracemalloc.stop()
+    assert grown < 100_000
