@@ -4,6 +4,7 @@
 
 from collections import deque
 from collections.abc import Callable, Sequence
+import threading
 
 Counts = tuple[int, ...]
 
@@ -13,7 +14,7 @@ class Window:
     Remembers counters for a while, to tell how much they grew.
 
     What is told covers at least one span, if the window has existed for so long, and less than
-    two.
+    two. One thread may ask while another begins anew.
     """
 
     def __init__(self, read: Callable[[], Sequence[int]], span: float = 1.0) -> None:
@@ -21,14 +22,19 @@ class Window:
         self._read = read
         self._span = span
         self._marks: deque[tuple[float, Counts]] = deque()
+        self._lock = threading.Lock()
 
     def restart(self) -> None:
         """Forget what was, and begin to remember anew."""
-        self._marks.clear()
+        with self._lock:
+            self._marks.clear()
 
     def growth(self, now: float) -> tuple[float, Counts]:
         """Return the seconds covered, and by how much each counter grew in them."""
-        counts = tuple(self._read())
+        with self._lock:
+            return self._growth(now, tuple(self._read()))
+
+    def _growth(self, now: float, counts: Counts) -> tuple[float, Counts]:
         if not self._marks or now - self._marks[-1][0] >= self._span:
             self._marks.append((now, counts))
         while len(self._marks) > 1 and now - self._marks[1][0] >= self._span:
