@@ -20,7 +20,17 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 BIN = Path(sys.executable).parent
+MODULES = {'bahrs': 'bahrs_driver.cli.main', 'driver_node': 'bahrs_driver.node'}
 END_TIMEOUT = 10.0
+
+
+def command(name: str, *words: str) -> list[str]:
+    """Return how to run a command of ours: as it is installed beside this Python, or without."""
+    script = BIN / name
+    if script.exists():
+        return [str(script), *words]
+    code = f'import sys; from {MODULES[name]} import main; sys.exit(main())'
+    return [sys.executable, '-c', code, *words]
 
 
 class Process:
@@ -68,9 +78,9 @@ class Process:
 
 
 @contextlib.contextmanager
-def running(*command: str) -> Iterator[Process]:
-    """Run a command of ours, from the directory of this Python, and end it at the end."""
-    process = Process([str(BIN / command[0]), *command[1:]])
+def running(name: str, *words: str) -> Iterator[Process]:
+    """Run a command of ours, and end it at the end."""
+    process = Process(command(name, *words))
     try:
         yield process
     finally:

@@ -4,15 +4,15 @@
 
 import csv
 import json
-from pathlib import Path
+import shlex
 import subprocess
-import sys
 
 from bahrs_driver.protocol.bahrs import (
     Accuracy, HardwareVersion, Inertial, InertialTime, Navigation, NvmPage, SoftwareVersion,
 )
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec, build_frame
 from bahrs_driver.protocol.integrity import Integrity
+from processes import command
 import pytest
 from shared_files import shared_file
 
@@ -31,7 +31,7 @@ STREAM = b''.join(BahrsCodec().encode(message, 3) for message in MESSAGES)
 
 def decode(*words, data=None):
     """Run the verb and return what it printed, its errors and its exit status."""
-    done = subprocess.run([Path(sys.executable).parent / 'bahrs', 'decode', *words],
+    done = subprocess.run(command('bahrs', 'decode', *words),
                           input=data, capture_output=True, check=False)
     return done.stdout.decode(), done.stderr.decode(), done.returncode
 
@@ -105,8 +105,8 @@ def test_what_cannot_be_decoded(words, data, status, sentence):
 
 def test_reader_that_has_seen_enough():
     """A pipe that is closed early, as head does."""
-    command = f"'{Path(sys.executable).parent / 'bahrs'}' decode --format jsonl - | head -n 1"
-    done = subprocess.run(command, shell=True, input=STREAM * 3000, capture_output=True,
+    line = shlex.join(command('bahrs', 'decode', '--format', 'jsonl', '-')) + ' | head -n 1'
+    done = subprocess.run(line, shell=True, input=STREAM * 3000, capture_output=True,
                           check=False)
     assert done.stdout.count(b'\n') == 1 and done.stderr == b''
 

@@ -4,6 +4,7 @@
 
 import os
 from pathlib import Path
+import shutil
 import subprocess
 import sys
 
@@ -18,9 +19,13 @@ ROOT = Path(__file__).resolve().parents[2]
 @pytest.fixture(scope='module')
 def prefix(tmp_path_factory):
     """Build the package with colcon and return the folder that it is installed in."""
+    path = f'{Path(sys.executable).parent}{os.pathsep}{os.environ["PATH"]}'
+    colcon = shutil.which('colcon', path=path)
+    if colcon is None:
+        pytest.skip('there is no colcon to build with')
     folder = tmp_path_factory.mktemp('colcon')
     done = subprocess.run(
-        [Path(sys.executable).parent / 'colcon', '--log-base', folder / 'log', 'build',
+        [colcon, '--log-base', folder / 'log', 'build',
          '--paths', ROOT, '--build-base', folder / 'build', '--install-base', folder / 'install',
          '--event-handlers', 'console_direct+'],
         cwd=folder, capture_output=True, text=True, check=False,
