@@ -1,0 +1,19 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Device time on host time. Pure: host time is handed in, nothing here reads a clock.
+
+Made of small rooms: `bounds` (what a read says of a frame), `host` (the host's two clocks),
+`counter`, `labels`, `navigation`, `timeline` and `device_time` (sequence numbers to device
+time), `tracker` and `pulses` over `kalman` (device time to host time), `output` (stamps), and
+`sample_clock`, which holds them together.
+"""
+
+from bahrs_driver.clock.arrival import ArrivalClock, ArrivalStamps
+from bahrs_driver.clock.interface import Clock, Instant, Stamped, TimeState
+from bahrs_driver.clock.sample_clock import ClockOptions, SampleClock
+from bahrs_driver.clock.units import BITS_PER_BYTE, byte_time_ns, NANOSECONDS
+
+__all__ = [
+    'ArrivalClock', 'ArrivalStamps', 'BITS_PER_BYTE', 'Clock', 'ClockOptions', 'Instant',
+    'NANOSECONDS', 'SampleClock', 'Stamped', 'TimeState', 'byte_time_ns']

@@ -1,0 +1,78 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Arrival stamps, for comparison: the time of the read, less the time on the line.
+
+What the adapter and the host hold back is still in them.
+"""
+
+from collections.abc import Iterable
+from typing import Any
+
+from bahrs_driver.clock.interface import Instant, Stamped, TimeState
+from bahrs_driver.clock.units import NANOSECONDS
+from bahrs_driver.protocol.framing import Frame
+
+
+class ArrivalClock:
+    """
+    Stamps frames with their arrival, less their time on the line.
+
+    Two chunks read in quick succession may put their frames in the wrong order; a stamp is
+    therefore at least one nanosecond after the one before. Only a host clock that was set back
+    by more than a second is followed backward.
+    """
+
+    _SET_BACK = NANOSECONDS
+
+    def __init__(self, byte_time: int) -> None:
+        """Take the time of one byte on the line, in nanoseconds."""
+        self._byte_time = byte_time
+        self._last = 0
+
+    def stamp(self, read_time: int, bytes_since: int) -> int:
+        """
+        Return the stamp of a frame, in nanoseconds since the epoch.
+
+        read_time is the host's time at the read that completed the frame, bytes_since the number
+        of bytes from the frame's first to the last of that read.
+        """
+        stamp = read_time - bytes_since * self._byte_time
+        if self._last - self._SET_BACK < stamp <= self._last:
+            stamp = self._last + 1
+        self._last = stamp
+        return stamp
+
+
+class ArrivalStamps:
+    """The arrival clock, as a receiver wants it."""
+
+    def __init__(self, fixed_latency: int = 0) -> None:
+        """Take what to subtract from every stamp, in ns."""
+        self._fixed_latency = fixed_latency
+        self._now = Instant(0, 0)
+        self._received = 0
+        self.begin(0)
+
+    def begin(self, byte_time: int) -> None:
+        """Take note that another stream begins."""
+        self._clock = ArrivalClock(byte_time)
+
+    def read(self, now: Instant, received: int) -> None:
+        """Take the moment of a read, and how many bytes of the stream there are with it."""
+        self._now = now
+        self._received = received
+
+    def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
+        """Return all messages, each with its arrival."""
+        time = self._now.ros_ns - self._fixed_latency
+        return [Stamped(message, frame, self._clock.stamp(time, self._received - frame.offset))
+                for message, frame in messages]
+
+    def take_notices(self) -> list[str]:
+        """Return nothing: nothing can happen to arrival stamps."""
+        return []
+
+    def state(self) -> TimeState:
+        """Return that stamps are arrivals."""
+        return TimeState('arrival', 'arrival')

@@ -1,0 +1,114 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Which sample a frame is: its uint8 counter, counted on.
+
+A frame may be lost, so the counter may be ahead by any number; but not by more than time has
+passed. A counter that is not so was damaged, or its frame came twice, and says nothing. If the
+frame after it follows on the one before it, all is well again. Too many such in a row, or
+a silence that may have been a turn of the counter, mean that only a time message can tell.
+"""
+
+from bahrs_driver.clock.units import MILLISECOND, NANOSECONDS
+
+MODULUS = 256
+PERIOD = 5 * MILLISECOND        # nominal, from one inertial sample to the next
+LONGEST_SILENCE = 6 * NANOSECONDS // 10     # about half a turn of the counter
+SLACK = NANOSECONDS // 10       # what a bound may be late by
+DOUBTS = 3                      # counters in a row that make no sense
+
+
+class SampleCounter:
+    """Counts samples on from their counters."""
+
+    def __init__(self) -> None:
+        """Start without a sample."""
+        self.rejected = 0
+        self.count = 0                  # of the latest sample
+        self._sequence = -1             # of the latest counter that made sense
+        self._trusted = 0               # its count
+        self._before = -1, 0            # counter and count of the one before that
+        self._bound = 0                 # of the latest frame
+        self._trusted_bound = 0
+        self._doubts = 0
+
+    @property
+    def started(self) -> bool:
+        """Whether there was a sample."""
+        return self._sequence >= 0
+
+    @property
+    def sequence(self) -> int:
+        """Counter of the latest sample, or what it should have been."""
+        return (self._sequence + self.count - self._trusted) % MODULUS
+
+    def silence_before(self, bound: int) -> bool:
+        """Whether a frame with this bound comes after so long a time that turns may be lost."""
+        return self.started and bound - self._bound > LONGEST_SILENCE
+
+    def follow(self, sequence: int, bound: int) -> bool:
+        """Take the next frame if it follows on the latest, as nearly all do; return whether."""
+        if self._doubts or sequence != (self._sequence + 1) % MODULUS or self._sequence < 0:
+            return False
+        self._before = self._sequence, self._trusted
+        self._sequence = sequence
+        self._trusted += 1
+        self.count = self._trusted
+        self._bound = self._trusted_bound = bound
+        return True
+
+    def place(self, sequence: int, bound: int, latest: int | None) -> bool:
+        """
+        Take the next frame; count is then its place. Return whether its counter made sense.
+
+        bound is the host's time that it was not sent after, latest the highest count that it can
+        have by what is known of the device's time.
+        """
+        if latest is None:
+            latest = self._trusted + (bound - self._trusted_bound + SLACK) // PERIOD + 1
+        self._bound = bound
+        ahead = (sequence - self._sequence) % MODULUS
+        if not self.started:
+            self._trust(sequence, 0, bound)
+        elif ahead and self._trusted + ahead <= latest:
+            self._trust(sequence, self._trusted + ahead, bound)
+        elif not self._retrust(sequence, bound):
+            self.rejected += 1
+            self._doubts += 1
+            self.count += bool(ahead)       # the same counter again: the same sample
+            return False
+        return True
+
+    def jump(self, sequence: int, bound: int) -> None:
+        """Take a frame whose counter cannot be told from the one before."""
+        ahead = (sequence - self._sequence) % MODULUS or MODULUS
+        self._trust(sequence, self._trusted + ahead, bound)
+        self._before = -1, 0
+        self._bound = bound
+
+    @property
+    def lost(self) -> bool:
+        """Whether the counter has made no sense for too long."""
+        return self._doubts >= DOUBTS
+
+    def nearest(self, sequence: int) -> int:
+        """Return the count of the sample with this counter that is nearest to the latest."""
+        ahead = (sequence - self.sequence + MODULUS // 2) % MODULUS - MODULUS // 2
+        return self.count + ahead
+
+    def _trust(self, sequence: int, count: int, bound: int) -> None:
+        self._before = self._sequence, self._trusted
+        self._sequence, self._trusted = sequence, count
+        self.count = count
+        self._trusted_bound = bound
+        self._doubts = 0
+
+    def _retrust(self, sequence: int, bound: int) -> bool:
+        """See whether the latest counter was the damaged one, for this follows the one before."""
+        before, count = self._before
+        if before < 0 or self._doubts or (sequence - before) % MODULUS != 2:
+            return False
+        self.rejected += 1
+        self._trust(sequence, count + 2, bound)
+        self._before = -1, 0
+        return True

@@ -1,0 +1,140 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Sequence numbers to device time, and whether they can be believed.
+
+A time message that fits what is known moves the anchor. One that does not may be wrong, or may
+tell that the device was restarted or that counts were lost: it is remembered, and nothing is
+known until a second one has agreed with it or another with what was known before.
+"""
+
+from enum import Enum
+
+from bahrs_driver.clock.counter import SampleCounter
+from bahrs_driver.clock.labels import Label, LabelReading
+from bahrs_driver.clock.navigation import NavigationCounter, PER_NAVIGATION
+from bahrs_driver.clock.timeline import Timeline
+from bahrs_driver.clock.units import MILLISECOND, NANOSECONDS
+
+EARLIEST, LATEST = -3 * MILLISECOND, NANOSECONDS    # lateness of a sample of the same clock
+
+
+class Verdict(Enum):
+    """What a time message means."""
+
+    KNOWN = 'device time is known, on the same clock'
+    NEW_EPOCH = 'device time is known, and its clock was set anew'
+    DOUBTED = 'another one must agree with it'
+
+
+class DeviceTime:
+    """Gives samples their count, and counts their device time."""
+
+    def __init__(self, label: Label = 'auto') -> None:
+        """Start without knowledge."""
+        self.counter = SampleCounter()
+        self.labels = LabelReading(label)
+        self.known = False
+        self.rejected = 0               # time messages that contradicted
+        self._navigation = NavigationCounter()
+        self._timeline: Timeline | None = None
+        self._candidate: Timeline | None = None
+        self._lost = False
+
+    @property
+    def period(self) -> float | None:
+        """Nanoseconds from one sample to the next, if device time was ever known."""
+        return self._timeline.period if self._timeline else None
+
+    def time_of(self, count: int) -> int:
+        """Return the device time of a sample. It must be known."""
+        assert self._timeline
+        return self._timeline.time_of(count)
+
+    def count_at(self, time: int) -> int:
+        """Return the count of the sample that is nearest to a device time."""
+        assert self._timeline
+        return self._timeline.count_at(time)
+
+    def lose(self, sequence: int, bound: int) -> None:
+        """Take a sample whose count can only be told by the next time message."""
+        self.counter.jump(sequence, bound)
+        self._lost, self.known = True, False
+
+    def navigation(self, sequence: int) -> int | None:
+        """Return the count of the inertial sample that goes with a navigation message."""
+        if not self.counter.started:
+            return None
+        self._navigation.pair(sequence, self.counter.sequence)
+        return self._nearest_navigation(sequence)
+
+    def inertial_time(self, reference: int) -> int | None:
+        """Return the count of the sample that an inertial time message is about."""
+        if not self.counter.started:
+            return None
+        named = self.counter.nearest(reference)
+        self.labels.vote(named - self.counter.count)
+        return named - self.labels.ahead
+
+    def navigation_time(self, reference: int) -> int | None:
+        """Return the count of the sample that a navigation time message is about."""
+        named = self._nearest_navigation(reference)
+        if named is None:
+            return None
+        ahead, odd = divmod(named - self.counter.count, PER_NAVIGATION)
+        if not odd:
+            self.labels.vote(ahead)
+        return named - PER_NAVIGATION * self.labels.ahead
+
+    def time_message(self, count: int, time: int, lateness: int | None) -> Verdict:
+        """
+        Take the device time of a sample, and say what it means.
+
+        lateness is how much later than the believed clock has it the latest sample came, if that
+        message is right; None if no clock is believed yet.
+        """
+        timeline, candidate = self._timeline, self._candidate
+        fits = lateness is not None and EARLIEST <= lateness <= LATEST
+        if timeline and not self._lost and timeline.agrees(count, time):
+            timeline.accept(count, time)
+        elif timeline and self._lost and fits:
+            timeline.move(count, time)
+        elif candidate and candidate.agrees(count, time) and not self._repeats(candidate, time):
+            candidate.accept(count, time)
+            return self._adopt(candidate, fits and timeline is not None)
+        else:
+            return self._doubt(count, time)
+        return self._know()
+
+    def stop_doubting(self) -> Verdict:
+        """Go by what there is: what was known if it is doubted, or else what doubts it."""
+        if self.known or (self._timeline and not self._lost):
+            return self._know()
+        if self._candidate:
+            return self._adopt(self._candidate, False)
+        return Verdict.DOUBTED
+
+    def _repeats(self, candidate: Timeline, time: int) -> bool:
+        """Whether this would be the second word of one instant against a clock that is known."""
+        return self._timeline is not None and not self._lost and time == candidate.latest[1]
+
+    def _adopt(self, candidate: Timeline, same_clock: bool) -> Verdict:
+        self._timeline = candidate
+        self._know()
+        return Verdict.KNOWN if same_clock else Verdict.NEW_EPOCH
+
+    def _know(self) -> Verdict:
+        self._candidate = None
+        self._lost, self.known = False, True
+        return Verdict.KNOWN
+
+    def _doubt(self, count: int, time: int) -> Verdict:
+        if self._timeline and not self._lost:
+            self.rejected += 1
+        self._candidate = Timeline(count, time)
+        self.known = False
+        return Verdict.DOUBTED
+
+    def _nearest_navigation(self, sequence: int) -> int | None:
+        inertial = self._navigation.inertial(sequence)
+        return None if inertial is None else self.counter.nearest(inertial)

@@ -1,0 +1,94 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+From estimates to stamps that people can use: smooth, in order, and never from the future.
+
+An estimate may move when more is known. Stamps follow it slowly, so that the time between two
+samples stays what it was; fast only at the start. A stamp is never later than what the bytes
+prove, and never as early as the one before.
+"""
+
+from bahrs_driver.clock.host import HostClocks
+from bahrs_driver.clock.interface import Instant
+from bahrs_driver.clock.units import MILLISECOND, NANOSECONDS
+
+SLEW, FIRST_SLEW = 500e-6, 0.1
+FIRST_SPAN = 3 * NANOSECONDS
+IMPOSSIBLE = MILLISECOND            # after its own read
+SAME = MILLISECOND                  # device times that differ by less are of one sample
+
+
+class Output:
+    """Makes stamps."""
+
+    def __init__(self, host: HostClocks, fixed_latency: int) -> None:
+        """Take the host's clocks, and what to subtract from all stamps, in ns."""
+        self.dropped = 0
+        self._host = host
+        self._fixed_latency = fixed_latency
+        self._last_ros = 0
+        self._memory: tuple[int, int] | None = None     # device time and stamp of the latest
+        self.restart()
+
+    def restart(self) -> None:
+        """Another epoch begins: stamps may jump."""
+        self._lag = 0.0                     # of the stamps behind the estimate
+        self._device = self._target = 0
+        self._begin: int | None = None
+        self._memory = None
+
+    def hurry(self) -> None:
+        """Let stamps follow fast for a while, as at the start."""
+        self._begin = self._device
+
+    def allow_backward(self) -> None:
+        """Let the next stamp be earlier than the last: the host was set back."""
+        self._last_ros = 0
+        self._memory = None
+
+    def stamp(self, device: int, target: int, skew: float, bound: int, now: Instant) -> int | None:
+        """
+        Return the stamp of the next sample, or None if its time cannot be.
+
+        device is its device time, target the host's raw time estimated for it, bound the raw time
+        that it was not sent after, now the read that brought it.
+        """
+        if target > now.raw_ns + IMPOSSIBLE:
+            self.dropped += 1
+            return None
+        raw = min(target + self._follow(device, target, skew), bound)
+        stamp = self.arrival(raw)
+        self._memory = device, stamp
+        return stamp
+
+    def arrival(self, raw: int) -> int:
+        """Return the stamp of a sample of which only a raw time is known."""
+        stamp = self.plain(raw)
+        if stamp <= self._last_ros:
+            stamp = self._last_ros + 1
+        self._last_ros = stamp
+        return stamp
+
+    def again(self, device: int) -> int | None:
+        """Return the stamp that was given to the sample of this device time, if the latest."""
+        if self._memory and abs(device - self._memory[0]) < SAME:
+            return self._memory[1]
+        return None
+
+    def plain(self, raw: int) -> int:
+        """Return the ROS time of a raw time, whatever came before."""
+        return self._host.ros(raw) - self._fixed_latency
+
+    def _follow(self, device: int, target: int, skew: float) -> int:
+        """Return what to add to the estimate so that stamps do not jump with it."""
+        if self._begin is None:
+            self._begin = device
+            self._device, self._target = device, target
+            return 0
+        step = device - self._device
+        lag = self._lag + self._target - target + step + skew * step
+        rate = FIRST_SLEW if device - self._begin < FIRST_SPAN else SLEW
+        limit = rate * abs(step)
+        self._lag = lag - limit if lag > limit else lag + limit if lag < -limit else 0.0
+        self._device, self._target = device, target
+        return round(self._lag)

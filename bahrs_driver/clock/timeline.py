@@ -1,0 +1,69 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Device time of samples between time messages.
+
+The latest time message is the anchor; the period is the slope over the time messages of the last
+five seconds, as long as it is within 3 % of the nominal one.
+"""
+
+from collections import deque
+
+from bahrs_driver.clock.counter import PERIOD
+from bahrs_driver.clock.units import MICROSECOND
+
+HISTORY = 51                    # time messages, ten a second
+PERIOD_TOLERANCE = 0.03
+JITTER = 200 * MICROSECOND      # of a time message
+
+
+class Timeline:
+    """Device time in ns by count."""
+
+    def __init__(self, count: int, time: int) -> None:
+        """Begin with one sample's device time."""
+        self._history: deque[tuple[int, int]] = deque([(count, time)], maxlen=HISTORY)
+        self._count, self._time = count, time
+        self._elapsed, self._samples = PERIOD, 1
+        self._tolerance = PERIOD_TOLERANCE * PERIOD
+
+    @property
+    def period(self) -> float:
+        """Nanoseconds from one sample to the next."""
+        return self._elapsed / self._samples
+
+    @property
+    def latest(self) -> tuple[int, int]:
+        """Count and device time of the latest time message."""
+        return self._count, self._time
+
+    def time_of(self, count: int) -> int:
+        """Return the device time of a sample."""
+        return self._time + (count - self._count) * self._elapsed // self._samples
+
+    def count_at(self, time: int) -> int:
+        """Return the count of the sample that is nearest to a device time."""
+        return self._count + round((time - self._time) * self._samples / self._elapsed)
+
+    def agrees(self, count: int, time: int) -> bool:
+        """Whether a time message fits what is known."""
+        allowed = JITTER + self._tolerance * abs(count - self._count)
+        return abs(time - self.time_of(count)) <= allowed
+
+    def accept(self, count: int, time: int) -> None:
+        """Take a time message that agrees."""
+        if count <= self._count:
+            return
+        self._history.append((count, time))
+        self._count, self._time = count, time
+        first, start = self._history[0]
+        samples, elapsed = count - first, time - start
+        if abs(elapsed - samples * PERIOD) <= PERIOD_TOLERANCE * PERIOD * samples:
+            self._elapsed, self._samples = elapsed, samples
+            self._tolerance = JITTER / samples
+
+    def move(self, count: int, time: int) -> None:
+        """Take a time message as the anchor, and keep the period: counts were lost."""
+        self._history.clear()
+        self._history.append((count, time))
+        self._count, self._time = count, time

@@ -1,0 +1,54 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of what reads say of a frame, with literal numbers: a byte takes 100 ns."""
+
+from bahrs_driver.clock.bounds import ByteBounds, LONGEST
+
+
+def bounds(*reads):
+    """Return bounds that have seen reads: time, bytes received so far."""
+    made = ByteBounds(100)
+    for read in reads:
+        made.read(*read)
+    return made
+
+
+def test_a_frame_that_ends_its_chunk():
+    """Its own bytes were on the line after its beginning."""
+    assert bounds((10_000, 28)).bound(0) == 10_000 - 2800
+
+
+def test_a_frame_with_bytes_after_it():
+    """They too."""
+    both = bounds((10_000, 56))
+    assert [both.bound(0), both.bound(28)] == [10_000 - 5600, 10_000 - 2800]
+
+
+def test_a_frame_cut_by_a_read_is_known_better():
+    """The read that saw five bytes of it was in time; the one that saw the end was not."""
+    assert bounds((10_000, 5), (90_000, 28)).bound(0) == 10_000 - 500
+
+
+def test_a_late_read_does_not_hide_an_early_one_after_it():
+    """The smallest bound counts, whichever read gave it."""
+    assert bounds((10_000, 5), (10_050, 28)).bound(0) == 10_050 - 2800
+
+
+def test_a_read_before_the_frame_says_nothing_of_it():
+    """However early it was."""
+    assert bounds((1_000, 28), (50_000, 56)).bound(28) == 50_000 - 2800
+
+
+def test_memory_is_bounded_and_what_is_left_is_true():
+    """A flood of reads without a frame."""
+    made = bounds(*((1000 * index, index) for index in range(1, 10 * LONGEST)))
+    assert made.bound(0) >= 1000 - 100
+    assert made.bound(10 * LONGEST - 2) == 1000 * (10 * LONGEST - 1) - 100
+
+
+def test_without_a_line_rate_the_first_read_counts():
+    """As on native USB and networks."""
+    made = ByteBounds(0)
+    made.read(500, 10)
+    made.read(900, 28)
+    assert made.bound(3) == 500

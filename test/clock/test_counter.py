@@ -1,0 +1,73 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of counting samples on, with literal counters; bounds are in units of a period."""
+
+from bahrs_driver.clock.counter import PERIOD, SampleCounter
+import pytest
+
+
+def counted(*frames, latest=None):
+    """Return the counts given to frames, each a counter and a bound in periods."""
+    counter, counts = SampleCounter(), []
+    for sequence, periods in frames:
+        bound = round(periods * PERIOD)
+        limit = None if latest is None else latest(periods)
+        if not counter.follow(sequence, bound):
+            counter.place(sequence, bound, limit)
+        counts.append(counter.count)
+    return counts
+
+
+def test_in_order_over_the_end_of_the_counter():
+    """255 is followed by 0."""
+    assert counted(*((i % 256, i) for i in range(250, 260))) == list(range(10))
+
+
+@pytest.mark.parametrize('lost', [1, 2, 19, 100])
+def test_lost_frames_are_counted(lost):
+    """As long as so much time has passed."""
+    assert counted((7, 0), ((8 + lost) % 256, 1 + lost)) == [0, 1 + lost]
+
+
+@pytest.mark.parametrize('damaged', [7, 6, 200, 107])
+def test_a_damaged_counter_costs_nothing_after_it(damaged):
+    """Ahead of time, or behind."""
+    counts = counted((7, 0), (8, 1), (damaged, 2), (10, 3), (11, 4), latest=int)
+    assert counts[:2] == [0, 1] and counts[3:] == [3, 4]
+    assert counts[2] in (1, 2)
+
+
+def test_a_damaged_counter_that_seemed_right_is_found_out_by_the_next():
+    """Late frames leave room for one or two that were lost."""
+    assert counted((7, 0), (8, 1), (11, 6), (10, 6), (11, 6), latest=int) == [0, 1, 4, 3, 4]
+
+
+def test_a_frame_that_comes_twice():
+    """It is the same sample."""
+    assert counted((7, 0), (8, 1), (8, 1), (9, 2), latest=int) == [0, 1, 1, 2]
+
+
+def test_three_that_make_no_sense_are_a_loss():
+    """The device was restarted, perhaps."""
+    counter = SampleCounter()
+    for index, sequence in enumerate((7, 107, 108, 109)):
+        assert not counter.lost
+        counter.place(sequence, index * PERIOD, index)
+    assert counter.lost
+
+
+def test_silence():
+    """Of more than half a turn of the counter."""
+    counter = SampleCounter()
+    assert not counter.silence_before(10 ** 12)
+    counter.place(0, 0, None)
+    assert not counter.silence_before(100 * PERIOD)
+    assert counter.silence_before(130 * PERIOD)
+
+
+def test_nearest():
+    """Time messages name samples around the latest one."""
+    counter = SampleCounter()
+    counter.place(250, 0, None)
+    assert [counter.nearest(sequence) for sequence in (250, 251, 249, 3, 130)] == [
+        0, 1, -1, 9, -120]

@@ -1,0 +1,121 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of labels, timeline and what time messages mean, with literal numbers."""
+
+from bahrs_driver.clock.counter import PERIOD
+from bahrs_driver.clock.device_time import DeviceTime, Verdict
+from bahrs_driver.clock.labels import LabelReading
+from bahrs_driver.clock.timeline import Timeline
+import pytest
+
+START = 600_000_000
+
+
+@pytest.mark.parametrize('votes, reading', [
+    ([], 'not seen yet'), ([1], 'next'), ([0], 'same'), ([1, 0, 1], 'next'), ([0, 1, 0], 'same'),
+    ([7, -3], 'not seen yet'), ([0] * 9 + [1] * 5, 'next')])
+def test_label_by_votes(votes, reading):
+    """The majority of the latest nine."""
+    label = LabelReading()
+    for vote in votes:
+        label.vote(vote)
+    assert label.reading == reading
+
+
+def test_a_forced_label_does_not_listen():
+    """The parameter decides."""
+    label = LabelReading('same')
+    label.vote(1)
+    assert label.ahead == 0 and label.reading == 'same'
+
+
+def test_timeline_before_and_after_its_anchor():
+    """At the nominal period until there is a slope."""
+    line = Timeline(20, START)
+    assert [line.time_of(count) for count in (0, 20, 21)] == [
+        START - 20 * PERIOD, START, START + PERIOD]
+
+
+def test_timeline_takes_the_period_from_the_slope():
+    """Half a percent slow; the next message must fit that, not the nominal period."""
+    line = Timeline(0, 0)
+    for index in range(1, 4):
+        assert line.agrees(20 * index, 100_500_000 * index)
+        line.accept(20 * index, 100_500_000 * index)
+    assert line.period == 5_025_000
+    assert line.time_of(61) == 301_500_000 + 5_025_000
+    assert not line.agrees(80, 400_000_000)
+
+
+def test_timeline_does_not_believe_a_wild_slope():
+    """More than 3 % from nominal is no period of this device."""
+    assert not Timeline(0, 0).agrees(20, 104_000_000)
+
+
+def device(samples=1):
+    """Return device time that has seen samples."""
+    made = DeviceTime('same')
+    for index in range(samples):
+        made.counter.place(index, index * PERIOD, None)
+    return made
+
+
+def verdicts(made, *messages):
+    """Return what each time message means: count, time, lateness."""
+    return [made.time_message(*message) for message in messages]
+
+
+KNOWN, NEW, DOUBTED = Verdict.KNOWN, Verdict.NEW_EPOCH, Verdict.DOUBTED
+
+
+def test_two_that_agree_begin_the_first_epoch():
+    """One may be wrong."""
+    made = device()
+    assert verdicts(made, (0, START, None), (20, START + 20 * PERIOD, None)) == [DOUBTED, NEW]
+    assert made.known and made.time_of(40) == START + 40 * PERIOD
+
+
+def test_one_wrong_message_is_outvoted():
+    """By the next; nothing is known in between."""
+    made = device()
+    verdicts(made, (0, START, None), (20, START + 20 * PERIOD, None))
+    assert verdicts(made, (40, 77_000_000_000, -10 ** 10)) == [DOUBTED]
+    assert not made.known
+    assert verdicts(made, (60, START + 60 * PERIOD, 0)) == [KNOWN]
+    assert made.known and made.rejected == 1
+
+
+def test_two_that_contradict_and_agree_are_a_restart():
+    """Device time is near zero again."""
+    made = device()
+    late = 3600 * 10 ** 9
+    verdicts(made, (0, late, None), (20, late + 20 * PERIOD, None))
+    assert verdicts(made, (40, START, late), (60, START + 20 * PERIOD, late)) == [DOUBTED, NEW]
+    assert made.time_of(60) == START + 20 * PERIOD
+
+
+def test_two_that_tell_of_lost_counts_are_no_new_epoch():
+    """By the host's clock their time is right."""
+    made = device()
+    verdicts(made, (0, START, None), (20, START + 20 * PERIOD, None))
+    assert verdicts(made, (40, START + 296 * PERIOD, 50_000),
+                    (60, START + 316 * PERIOD, 50_000)) == [DOUBTED, KNOWN]
+
+
+def test_after_silence_one_is_enough_if_the_hosts_clock_agrees():
+    """The device was but unplugged."""
+    made = device()
+    verdicts(made, (0, START, None), (20, START + 20 * PERIOD, None))
+    made.lose(100, 10 ** 10)
+    assert not made.known
+    count = made.counter.count
+    assert verdicts(made, (count, START + 2000 * PERIOD, 90_000)) == [KNOWN]
+    assert made.time_of(count + 1) == START + 2001 * PERIOD
+
+
+def test_navigation_goes_with_the_inertial_sample_of_its_time():
+    """Half as many, and after a turn of the counter, too."""
+    made = device(5)
+    assert made.navigation(2) == 4
+    made.counter.place(5, 5 * PERIOD, None)
+    assert made.navigation_time(3) == 6
