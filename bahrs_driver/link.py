@@ -16,12 +16,14 @@ import termios
 import time
 from typing import NamedTuple
 
-from bahrs_driver.clock import byte_time_ns
+from bahrs_driver.clock import byte_time_ns, Instant
 import serial
 
 READ_TIMEOUT = 0.5      # s; bounds how long a closed-down link may hold its reader
 WRITE_TIMEOUT = 1.0     # s
 SOCKET_CHUNK = 4096     # bytes
+NARROW = 20_000         # ns; a wider bracket of clock readings was interrupted
+BRACKETS = 4
 _NO_LINE_RATE = ('ttyACM', 'ttyGS')
 
 
@@ -35,10 +37,25 @@ class LinkError(Exception):
 
 
 class Reading(NamedTuple):
-    """The bytes of one read and the host's time right after it, in ns since the epoch."""
+    """The bytes of one read, and the moment right after it."""
 
     data: bytes
-    time_ns: int
+    now: Instant
+
+
+def now() -> Instant:
+    """Read both clocks of the host as if at once; the raw time is that of the call."""
+    first = time.clock_gettime_ns(time.CLOCK_MONOTONIC_RAW)
+    before, narrowest, offset = first, 0, 0
+    for attempt in range(BRACKETS):
+        ros = time.time_ns()
+        after = time.clock_gettime_ns(time.CLOCK_MONOTONIC_RAW)
+        if attempt == 0 or after - before < narrowest:
+            narrowest, offset = after - before, ros - (before + after) // 2
+        if narrowest < NARROW:
+            break
+        before = after
+    return Instant(first, first + offset)
 
 
 class Link:
@@ -83,7 +100,7 @@ class Link:
         except OSError as error:
             raise LinkError(f'{self.port} is gone: plug it in again, the driver will find it',
                             absent=True) from error
-        return Reading(data, time.time_ns()) if data else None
+        return Reading(data, now()) if data else None
 
     def write(self, data: bytes) -> None:
         """Send all of data. LinkError if the port is gone or takes no more."""

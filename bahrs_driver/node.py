@@ -16,11 +16,12 @@ from bahrs_driver.diagnostics.monitor import Monitor
 from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.self_test import answer
 from bahrs_driver.diagnostics.task import Task
+from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.link import Link
 from bahrs_driver.nvm_services import NvmServices
 from bahrs_driver.parameters import declare, ParameterError, unknown_names
 from bahrs_driver.receiver import Received, Receiver
-from bahrs_driver.sensors import SENSORS
+from bahrs_driver.sensors import ROS_CLOCK, SENSORS
 from diagnostic_msgs.msg import DiagnosticArray
 from diagnostic_msgs.srv import SelfTest
 import rclpy
@@ -31,7 +32,9 @@ from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
+from rclpy.time import Time
 from rclpy.utilities import remove_ros_args
+from sensor_msgs.msg import TimeReference
 
 QUEUE_DEPTH = 100               # half a second of the fastest topic
 DIAGNOSTICS_PERIOD = 1.0        # s
@@ -49,12 +52,14 @@ class DriverNode(Node):
             self.get_logger().warning(sentence)
         self._link = _link(settings)
         self._sensor = sensor = SENSORS[settings['sensor']](settings, self._link)
-        self.receiver = Receiver(self._link, sensor.framer, sensor.codec, self)
+        self.receiver = Receiver(self._link, sensor.framer, sensor.codec, sensor.clock, self)
+        self._time_task = TimeTask(sensor.clock)
         self._counts = dict.fromkeys(sensor.topics, 0)
         self._monitor = self._make_monitor(settings)
         self._data = {topic: self._publisher(message_type, topic, topic in sensor.latched)
                       for topic, message_type in sensor.topics.items()}
         self._diagnostics = self._publisher(DiagnosticArray, '/diagnostics')
+        self._listen_for_pulses(settings['time.sync_pulse.reference'])
         self.create_timer(DIAGNOSTICS_PERIOD, self._report)
         self.create_service(SelfTest, '~/self_test', self._self_test)
         if sensor.nvm:
@@ -91,6 +96,24 @@ class DriverNode(Node):
         if self._monitor.level_changed():
             self._report()
 
+    def time_changed(self, sentence: str) -> None:
+        """Tell what happened to a clock."""
+        self.get_logger().warning(sentence)
+        self._time_task.notice(sentence, time.monotonic())
+
+    def _listen_for_pulses(self, reference: str) -> None:
+        if reference == ROS_CLOCK:
+            return
+        try:
+            self.create_subscription(TimeReference, reference, self._pulse_told, QUEUE_DEPTH)
+        except ValueError as error:
+            raise ParameterError(
+                f"parameter time.sync_pulse.reference is {reference!r}: it must be '{ROS_CLOCK}' "
+                'or the name of a topic') from error
+
+    def _pulse_told(self, message: TimeReference) -> None:
+        self._sensor.clock.pulse_reference(Time.from_msg(message.header.stamp).nanoseconds)
+
     def _publish(self, outgoing: Iterable[tuple[str, Any]]) -> None:
         for topic, message in outgoing:
             self._data[topic].publish(message)
@@ -110,6 +133,7 @@ class DriverNode(Node):
             LinkTask(self._link, counters, settings['diagnostics.silence_timeout']),
             FramingTask(sensor.framer, counters, self._link.baud_rate, settings['sensor'],
                         sensor.protocol, settings['diagnostics.damaged_share']),
+            self._time_task,
             *sensor.health.tasks,
             PublishingTask(self._counts)]
         qualified = settings['diagnostics.qualified_name']

@@ -133,6 +133,23 @@ PARAMETERS = (
     Parameter('diagnostics.qualified_name', False,
               'Whether names in /diagnostics begin with the fully qualified name of the node '
               'rather than with bahrs_driver, to tell several drivers apart.'),
+    Parameter('time.source', 'device',
+              'What stamps are made of: device puts device time on ROS time from when samples '
+              'arrive, sync_pulse does so with the help of sync pulses, arrival is the time of '
+              'arrival, for comparison.', choices=('device', 'sync_pulse', 'arrival')),
+    Parameter('time.label', 'auto',
+              'Which sample a time message names: next is the one after the sample that it is '
+              'about, as devices do, same is that sample, as the protocol document says.',
+              choices=('auto', 'next', 'same')),
+    Parameter('time.fixed_latency', 0.0,
+              'Subtracted from every stamp: the least delay from a sample to its first byte, '
+              'which cannot be observed without sync pulses.', 's', low=0.0, high=1.0),
+    Parameter('time.sync_pulse.period', 1.0, 'Time from one sync pulse to the next.', 's',
+              low=0.1, high=60.0),
+    Parameter('time.sync_pulse.reference', 'ros_clock',
+              'Where the time of a sync pulse is known from: ros_clock takes the nearest whole '
+              'period of ROS time, for a host that is disciplined by the same receiver; anything '
+              'else is the name of a sensor_msgs/TimeReference topic whose header has it.'),
     Parameter('pressure_height.format', 'uint16',
               'How the pressure height stands on the wire. Devices send uint16; int16 is what '
               'the protocol document says.', choices=('uint16', 'int16')),

@@ -10,9 +10,9 @@ once, and tries again with growing pauses, until it is stopped.
 from dataclasses import dataclass
 import threading
 import time
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
-from bahrs_driver.clock import ArrivalClock
+from bahrs_driver.clock import Clock, Stamped
 from bahrs_driver.link import Link, LinkError
 from bahrs_driver.protocol.framing import Frame, Framer
 
@@ -21,12 +21,7 @@ LONGEST_PAUSE = 2.0     # s
 SAMPLE_SIZE = 256       # bytes kept to tell what a stream without frames may be
 
 
-class Received(NamedTuple):
-    """A message, the frame it came in, and its time in ns since the epoch."""
-
-    message: Any
-    frame: Frame
-    stamp_ns: int
+Received = Stamped
 
 
 class Codec(Protocol):
@@ -46,7 +41,10 @@ class Listener(Protocol):
         """Take note why the port cannot be opened, or was lost; told once for every reason."""
 
     def received(self, batch: list[Received]) -> None:
-        """Take the messages that one read completed."""
+        """Take the messages whose time is known since the last read."""
+
+    def time_changed(self, sentence: str) -> None:
+        """Take note of what happened to a clock: the host's, the device's, or its pulses."""
 
 
 @dataclass
@@ -66,15 +64,15 @@ class LinkCounters:
 class Receiver:
     """Reads a link until stopped, and tells a listener of all that it makes of it."""
 
-    def __init__(self, link: Link, framer: Framer, codec: Codec, listener: Listener) -> None:
+    def __init__(self, link: Link, framer: Framer, codec: Codec, clock: Clock,
+                 listener: Listener) -> None:
         """Take the parts; run() begins."""
         self.counters = LinkCounters()
         self._link = link
         self._framer = framer
         self._codec = codec
         self._listener = listener
-        self._clock = ArrivalClock(0)
-        self._last_read_ns = 0
+        self._clock = clock
         self._pause = FIRST_PAUSE
         self._absence_told = False
         self._stopping = threading.Event()
@@ -99,7 +97,7 @@ class Receiver:
 
     def _open(self) -> None:
         self._link.connect()
-        self._clock = ArrivalClock(self._link.byte_time_ns)
+        self._clock.begin(self._link.byte_time_ns)
         self.counters.open_since = time.monotonic()
         self.counters.times_opened += 1
         self.counters.error = ''
@@ -112,27 +110,28 @@ class Receiver:
             if reading is None:
                 continue
             self._pause = FIRST_PAUSE
-            self._last_read_ns = reading.time_ns
             self.counters.reads += 1
             self.counters.bytes_received += len(reading.data)
             self.counters.last_bytes = (self.counters.last_bytes + reading.data)[-SAMPLE_SIZE:]
             self.counters.last_data = time.monotonic()
-            self._hand_over(self._framer.feed(reading.data))
+            frames = self._framer.feed(reading.data)
+            self._clock.read(reading.now, self._framer.received)
+            self._hand_over(self._stamped(frames))
 
-    def _hand_over(self, frames: list[Frame]) -> None:
-        if frames:
-            self._listener.received([
-                Received(self._codec.decode(frame), frame, self._stamp(frame))
-                for frame in frames])
+    def _stamped(self, frames: list[Frame]) -> list[Received]:
+        return self._clock.stamp([(self._codec.decode(frame), frame) for frame in frames])
 
-    def _stamp(self, frame: Frame) -> int:
-        return self._clock.stamp(self._last_read_ns, self._framer.received - frame.offset)
+    def _hand_over(self, batch: list[Received]) -> None:
+        for sentence in self._clock.take_notices():
+            self._listener.time_changed(sentence)
+        if batch:
+            self._listener.received(batch)
 
     def _fail(self, error: LinkError) -> None:
         was_open = self.counters.open_since is not None
         self.counters.open_since = None
         if was_open:
-            self._hand_over(self._framer.flush())
+            self._hand_over(self._stamped(self._framer.flush()) + self._clock.end())
         reason = str(error)
         told = reason == self.counters.error or (error.absent and self._absence_told)
         self._absence_told = error.absent

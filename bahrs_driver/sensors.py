@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import math
 from typing import Any, Protocol
 
+from bahrs_driver.clock import ArrivalStamps, Clock, ClockOptions, NANOSECONDS, SampleClock
 from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.bahrs import (
     BahrsConverter, BahrsOptions, LATCHED as BAHRS_LATCHED, TOPICS as BAHRS_TOPICS,
@@ -23,6 +24,9 @@ from bahrs_driver.nvm_reader import NvmReader
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.receiver import Codec
+
+
+ROS_CLOCK = 'ros_clock'
 
 
 class Converter(Protocol):
@@ -56,6 +60,7 @@ class Sensor:
 
     framer: Framer
     codec: Codec
+    clock: Clock
     converter: Converter
     health: Health
     topics: Mapping[str, type]
@@ -77,8 +82,19 @@ def bahrs(settings: Mapping[str, Any], link: Link) -> Sensor:
         return {'Protocol version': str(frame_format.version_seen or 'not seen yet'),
                 'CRC order': frame_format.order_seen or 'not seen yet'}
 
-    return Sensor(Framer(frame_format), BahrsCodec(settings['pressure_height.format']), converter,
-                  health, BAHRS_TOPICS, BAHRS_LATCHED, protocol, nvm)
+    return Sensor(Framer(frame_format), BahrsCodec(settings['pressure_height.format']),
+                  _bahrs_clock(settings), converter, health, BAHRS_TOPICS, BAHRS_LATCHED, protocol,
+                  nvm)
+
+
+def _bahrs_clock(settings: Mapping[str, Any]) -> Clock:
+    source, latency = settings['time.source'], round(settings['time.fixed_latency'] * NANOSECONDS)
+    if source == 'arrival':
+        return ArrivalStamps(latency)
+    return SampleClock(ClockOptions(
+        source, settings['time.label'], latency,
+        round(settings['time.sync_pulse.period'] * NANOSECONDS),
+        settings['time.sync_pulse.reference'] != ROS_CLOCK))
 
 
 def _bahrs_options(settings: Mapping[str, Any]) -> BahrsOptions:

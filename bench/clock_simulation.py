@@ -142,7 +142,7 @@ def _device(case: Case, seed: int) -> Iterator[Sent]:
 
 
 def _power_on(case: Case, source: random.Random, begin: float, end: float) -> Iterator[Sent]:
-    time, device, count, pulse, walk = begin + 0.6, 600_000, 0, math.ceil(begin + 1), 0.0
+    time, device, count, pulse, walk = begin + 0.6, 600_000, 0, 0, 0.0
     late: deque[Sent] = deque()
     while True:
         if count and count == case.pause_before:
@@ -161,11 +161,11 @@ def _power_on(case: Case, source: random.Random, begin: float, end: float) -> It
                 yield late.pop()
         if late and count % 7 == 0:
             yield late.popleft()._replace(ready=ready)
-        if case.pulses[0] <= pulse < case.pulses[1] and time >= pulse:
-            at = device + round((pulse - time) * 1e6 * (1 + rate))
-            yield Sent(ready, SyncPulseTime(pulse % 256, at), ORIGIN + pulse * NANOSECONDS,
-                       at * 1000)
-        pulse += time >= pulse
+        since = case.ros(truth) % NANOSECONDS       # pulses come at whole seconds of ROS time
+        if since < PERIOD_US * 1000 and case.pulses[0] <= time < case.pulses[1]:
+            at = device - round(since * 1e-3 * (1 + rate))
+            yield Sent(ready, SyncPulseTime(pulse % 256, at), truth - since, at * 1000)
+            pulse += 1
         count, device = count + 1, device + PERIOD_US
         walk += source.gauss(0.0, case.wander_ppm * math.sqrt(PERIOD_US * 1e-6))
         time += PERIOD_US * 1e-6 / (1 + rate)

@@ -7,7 +7,7 @@ import time
 
 from bahrs_driver.protocol.bahrs import (
     Accuracy, ANGLE, FORCE, HEIGHT, Inertial, InertialTime, Navigation, NavigationTime,
-    VELOCITY,
+    SyncPulseTime, VELOCITY,
 )
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec
 from bahrs_driver.protocol.integrity import Integrity
@@ -60,6 +60,7 @@ class Device(threading.Thread):
             yield self._note(Navigation(
                 turn % 256, HEIGHT * turn, VELOCITY * turn, 0.1, 0.2, ANGLE * turn, navigation))
         if index % 20 == 0:
+            yield SyncPulseTime(index // 20 % 256, 5000 * index)
             yield Accuracy(index // 20 % 256, 0.01, 0.02, 0.03, 5000 * index)
             yield NavigationTime(index // 20 % 256, (index // 2 + 1) % 256, 5000 * index)
 

@@ -8,7 +8,7 @@ import stat
 import time
 
 from bahrs_driver.emulator.pty_port import PtyPort
-from bahrs_driver.link import Link, LinkError
+from bahrs_driver.link import Link, LinkError, now
 import pytest
 
 BAUD = 115200
@@ -32,12 +32,14 @@ def test_reads_what_was_sent_with_the_time_of_the_read(port):
     """All bytes, whatever their value, in order."""
     link = Link(port.path, BAUD)
     link.connect()
-    before = time.time_ns()
+    before = now()
     port.write(bytes(range(256)))
     data = b''
     while len(data) < 256:
         reading = link.read()
-        assert before <= reading.time_ns <= time.time_ns()
+        after = now()
+        assert before.raw_ns <= reading.now.raw_ns <= after.raw_ns
+        assert abs(reading.now.ros_ns - time.time_ns()) < 10 ** 9
         data += reading.data
     assert data == bytes(range(256))
     link.close()

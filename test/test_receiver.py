@@ -7,6 +7,7 @@ import threading
 import time
 
 from bahrs_driver import receiver as receiver_module
+from bahrs_driver.clock import ArrivalStamps, Instant
 from bahrs_driver.link import LinkError, Reading
 from bahrs_driver.protocol.bahrs import NavigationTime, SyncPulseTime
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
@@ -48,7 +49,7 @@ class ScriptedLink:
         chunk = next(self._chunks, GONE)
         if isinstance(chunk, LinkError):
             raise chunk
-        return Reading(chunk, 10_000_000) if chunk else None
+        return Reading(chunk, Instant(3_000_000, 10_000_000)) if chunk else None
 
     def cancel_read(self):
         """Nothing waits here."""
@@ -56,6 +57,11 @@ class ScriptedLink:
     def close(self):
         """Count."""
         self.closed += 1
+
+
+def made(link, diary):
+    """Return a receiver that stamps with arrival."""
+    return Receiver(link, Framer(BahrsFormat()), BahrsCodec(), ArrivalStamps(), diary)
 
 
 class Diary:
@@ -72,6 +78,10 @@ class Diary:
     def link_failed(self, reason):
         """Note why."""
         self.entries.append(reason)
+
+    def time_changed(self, sentence):
+        """Note it."""
+        self.entries.append(sentence)
 
     def received(self, batch):
         """Note the sequence numbers, and keep all of it."""
@@ -99,7 +109,7 @@ def play(monkeypatch):
 
     def run(*openings):
         link, diary = ScriptedLink(openings), Diary()
-        receiver = Receiver(link, Framer(BahrsFormat()), BahrsCodec(), diary)
+        receiver = made(link, diary)
         with running(receiver):
             assert link.done.wait(5)
         assert link.closed
@@ -178,7 +188,7 @@ def test_pauses_grow_and_are_bounded(monkeypatch):
     """From the first to the longest, doubling."""
     pauses = []
     link, diary = ScriptedLink([BUSY] * 7), Diary()
-    receiver = Receiver(link, Framer(BahrsFormat()), BahrsCodec(), diary)
+    receiver = made(link, diary)
 
     class Watch(threading.Event):
         def wait(self, timeout=None):
@@ -194,7 +204,7 @@ def test_pauses_grow_and_are_bounded(monkeypatch):
 def test_stopping_does_not_wait_for_the_pause():
     """A missing port must not hold up the end."""
     link, diary = ScriptedLink([BUSY] * 1000), Diary()
-    receiver = Receiver(link, Framer(BahrsFormat()), BahrsCodec(), diary)
+    receiver = made(link, diary)
     with running(receiver):
         begin = time.monotonic()
     assert time.monotonic() - begin < 2

@@ -14,6 +14,7 @@ from typing import Any
 
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.files import binary_input
+from bahrs_driver.clock import ArrivalStamps
 from bahrs_driver.link import Link
 from bahrs_driver.nvm_reader import NvmError, NvmReader
 from bahrs_driver.protocol.bahrs import Inertial
@@ -125,7 +126,8 @@ class Device:
         self.failure = ''
         self.reader = NvmReader(link, lambda: frame_format.version_seen, options.enter_timeout,
                                 options.service_frames)
-        self.receiver = Receiver(link, Framer(frame_format), BahrsCodec(), self)
+        self.receiver = Receiver(link, Framer(frame_format), BahrsCodec(), ArrivalStamps(),
+                                 self)
         self._opened = threading.Event()
         self._streams = threading.Event()
 
@@ -145,6 +147,9 @@ class Device:
         self.failure = reason
         self._opened.set()
         self.reader.lost(reason)
+
+    def time_changed(self, sentence: str) -> None:
+        """Do nothing: time does not matter here."""
 
     def received(self, batch: list[Received]) -> None:
         """Hand over what the device says."""

@@ -69,6 +69,13 @@ class ArrivalStamps:
         return [Stamped(message, frame, self._clock.stamp(time, self._received - frame.offset))
                 for message, frame in messages]
 
+    def end(self) -> list[Stamped]:
+        """Return nothing: no message waits."""
+        return []
+
+    def pulse_reference(self, ros_ns: int) -> None:
+        """Do nothing: arrival has nothing to do with pulses."""
+
     def take_notices(self) -> list[str]:
         """Return nothing: nothing can happen to arrival stamps."""
         return []

@@ -64,6 +64,12 @@ class Clock(Protocol):
     def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
         """Take the messages which that read completed, and return those whose time is known."""
 
+    def end(self) -> list[Stamped]:
+        """Take note that the stream has ended, and return what still waited for its time."""
+
+    def pulse_reference(self, ros_ns: int) -> None:
+        """Take the ROS time of a sync pulse from who knows it. May be called from any thread."""
+
     def take_notices(self) -> list[str]:
         """Return what the user should be told since the last call, a sentence each."""
 

@@ -20,7 +20,7 @@ from bahrs_driver.clock.device_time import DeviceTime, Verdict
 from bahrs_driver.clock.host import HostClocks
 from bahrs_driver.clock.interface import Instant, Stamped, TimeState
 from bahrs_driver.clock.labels import Label
-from bahrs_driver.clock.output import Output
+from bahrs_driver.clock.output import IMPOSSIBLE, Output
 from bahrs_driver.clock.sync_pulses import SyncPulses
 from bahrs_driver.clock.tracker import Tracker
 from bahrs_driver.clock.units import MICROSECOND, NANOSECONDS
@@ -34,6 +34,7 @@ from bahrs_driver.protocol.bahrs import (
 from bahrs_driver.protocol.framing import Frame
 
 MOST_HELD = 60          # inertial samples
+LONGEST_AGO = 10 * NANOSECONDS      # that a message may tell of
 CHUNKS = 99             # reads whose size is remembered
 
 
@@ -117,6 +118,12 @@ class SampleClock:
                 self._waiting.append(waiting)
         self._update_pulses()
         self._release()
+        stamped, self._stamped = self._stamped, []
+        return stamped
+
+    def end(self) -> list[Stamped]:
+        """Take note that the stream has ended, and return what still waited for its time."""
+        self._stop_waiting()
         stamped, self._stamped = self._stamped, []
         return stamped
 
@@ -237,16 +244,22 @@ class SampleClock:
         target, skew = self._estimate(device)
         return output.stamp(device, target, skew, item.bound, self._now)
 
-    def _arrival_of(self, item: _Waiting) -> int:
+    def _arrival_of(self, item: _Waiting) -> int | None:
+        if item.device is not None:         # it is about a time, and that is not known
+            return None
         if item.place is None:
             return self._output.plain(item.bound)
         self._arrivals += type(item.message) is Inertial
         return self._output.arrival(item.bound)
 
-    def _point(self, device: int) -> int:
-        """Return the ROS time of any device time."""
+    def _point(self, device: int) -> int | None:
+        """Return the ROS time of any device time that can be of the present."""
         stamp = self._output.again(device)
-        return self._output.plain(self._estimate(device)[0]) if stamp is None else stamp
+        if stamp is None:
+            raw, _ = self._estimate(device)
+            if -LONGEST_AGO < raw - self._now.raw_ns < IMPOSSIBLE:
+                stamp = self._output.plain(raw)
+        return stamp
 
     def _estimate(self, device: int) -> tuple[int, float]:
         """Return the host's raw time for a device time, and the skew."""

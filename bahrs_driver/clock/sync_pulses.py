@@ -7,6 +7,11 @@ from collections import deque
 from bahrs_driver.clock.host import HostClocks
 from bahrs_driver.clock.pulses import DelayEstimate, PENDING, PulseReference, PulseTracker
 from bahrs_driver.clock.tracker import Tracker
+from bahrs_driver.clock.units import MILLISECOND
+
+# What a pulse can say of the delay of the fastest samples. They are never early, and a pulse that
+# says so, or that they are very late, is not the one that it was taken for.
+EARLIEST, LATEST = -MILLISECOND, 100 * MILLISECOND
 
 
 class SyncPulses:
@@ -62,6 +67,8 @@ class SyncPulses:
         if told is None:
             return False
         true_raw = raw + told - about
-        if self.tracker.feed(pulse, true_raw, passive.skew, passive.skew_deviation):
+        if not EARLIEST < raw - true_raw < LATEST:
+            self.tracker.spurious += 1
+        elif self.tracker.feed(pulse, true_raw, passive.skew, passive.skew_deviation):
             self.delay.add(raw - true_raw)
         return True

@@ -20,12 +20,14 @@ from bahrs_driver.convert.covariance import Matrix
 from bahrs_driver.convert.integrity_notice import IntegrityNotice
 from bahrs_driver.convert.pairing import Pairing
 from bahrs_driver.convert.worth import Appraisal, inflated, reported, UNKNOWN_DEVIATION, Worth
-from bahrs_driver.protocol.bahrs import Accuracy, Inertial, Navigation
+from bahrs_driver.protocol.bahrs import (
+    Accuracy, Inertial, InertialTime, Navigation, SyncPulseTime,
+)
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.protocol.layout import Vector
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
-from sensor_msgs.msg import FluidPressure, Imu, MagneticField, NavSatFix
+from sensor_msgs.msg import FluidPressure, Imu, MagneticField, NavSatFix, TimeReference
 from std_msgs.msg import Float64
 
 TOPICS: dict[str, type] = {
@@ -38,6 +40,8 @@ TOPICS: dict[str, type] = {
     'velocity': TwistWithCovarianceStamped,
     'heading': Float64,
     'integrity': DiagnosticArray,
+    'time_reference': TimeReference,
+    'sync_pulse': TimeReference,
 }
 # Of these a late joiner gets what was last published.
 LATCHED = {'integrity'}
@@ -45,6 +49,8 @@ LATCHED = {'integrity'}
 # The accuracy message comes with every tenth navigation message; without it for this many the
 # last one says nothing about the present.
 ACCURACY_LIFETIME = 100
+TIME_SOURCE = 'bahrs'
+LONGEST_TIME_US = 2 ** 31 * ros.MICROSECONDS     # what a ROS time can hold
 _NO_ACCURACY = Accuracy(0, None, None, None, 0)
 
 Outgoing = Iterator[tuple[str, Any]]
@@ -92,7 +98,8 @@ class BahrsConverter:
         self._options = options
         self._notice = IntegrityNotice(Inertial.SIGNALS + Navigation.SIGNALS)
         self._handlers: dict[type, Callable[[Any, int], Outgoing]] = {
-            Inertial: self._inertial, Navigation: self._navigation, Accuracy: self._accuracy}
+            Inertial: self._inertial, Navigation: self._navigation, Accuracy: self._accuracy,
+            InertialTime: self._time, SyncPulseTime: self._pulse}
         self._forget()
 
     @property
@@ -132,6 +139,18 @@ class BahrsConverter:
         self._pairing.inertial(message.sequence, sample)
         if not sample.empty:
             yield 'imu/data_raw', self._imu(sample, None, covariance.NOT_REPORTED)
+
+    def _time(self, message: InertialTime, stamp_ns: int) -> Outgoing:
+        if message.valid:
+            yield from self._reference('time_reference', message.device_time_us, stamp_ns)
+
+    def _pulse(self, message: SyncPulseTime, stamp_ns: int) -> Outgoing:
+        yield from self._reference('sync_pulse', message.device_time_us, stamp_ns)
+
+    def _reference(self, topic: str, device_time_us: int, stamp_ns: int) -> Outgoing:
+        if device_time_us < LONGEST_TIME_US:
+            yield topic, ros.time_reference(ros.header(stamp_ns, self._options.frame_id),
+                                            device_time_us, TIME_SOURCE)
 
     def _accuracy(self, message: Accuracy, _stamp_ns: int) -> Outgoing:
         self._deviations = message

@@ -13,9 +13,12 @@ from geometry_msgs.msg import (
     TwistWithCovarianceStamped,
     Vector3,
 )
-from sensor_msgs.msg import FluidPressure, Imu, MagneticField, NavSatFix, NavSatStatus
+from sensor_msgs.msg import (
+    FluidPressure, Imu, MagneticField, NavSatFix, NavSatStatus, TimeReference,
+)
 from std_msgs.msg import Float64, Header
 
+MICROSECONDS = 1_000_000
 _NAN = float('nan')
 NO_VECTOR: Vector = (_NAN, _NAN, _NAN)
 NO_ROTATION = Quaternion(1.0, 0.0, 0.0, 0.0)
@@ -81,6 +84,14 @@ def vertical_twist(head: Header, z: float, stddev: float) -> TwistWithCovariance
     message = TwistWithCovarianceStamped(header=head)
     message.twist.twist.linear.z = z
     message.twist.covariance = covariance.of_z_only(_Z, stddev)
+    return message
+
+
+def time_reference(head: Header, reference_us: int, source: str) -> TimeReference:
+    """Return another clock's time, in microseconds, beside the header's."""
+    message = TimeReference(header=head, source=source)
+    seconds, rest = divmod(reference_us, MICROSECONDS)
+    message.time_ref.sec, message.time_ref.nanosec = seconds, 1000 * rest
     return message
 
 

@@ -2,7 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of synchronisation pulses, with literal pairs."""
 
+from bahrs_driver.clock import Instant
+from bahrs_driver.clock.host import HostClocks
 from bahrs_driver.clock.pulses import DelayEstimate, PulseReference, PulseTracker
+from bahrs_driver.clock.sync_pulses import SyncPulses
+from bahrs_driver.clock.tracker import Tracker
 import pytest
 
 S = 1_000_000_000
@@ -78,3 +82,15 @@ def test_delay_is_a_median():
     for value in (50, 52, 9_000_000, 51, 49):
         delay.add(value)
     assert delay.value == 51
+
+
+def test_a_pulse_that_contradicts_the_bytes_is_not_believed():
+    """It would make samples later than their reads: the host is not on the pulses' time."""
+    passive, host, pulses = Tracker(), HostClocks(), SyncPulses(True, S, False)
+    host.read(Instant(0, 0))
+    for second in range(1, 6):
+        passive.feed(second * S, second * S + 50_000)
+        pulses.take(second * S - 300_000_000)
+        pulses.update(second * S, passive, host)
+    assert pulses.line is None
+    assert (pulses.tracker.accepted, pulses.tracker.spurious) == (0, 5)

@@ -8,7 +8,9 @@ import math
 from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.bahrs import BahrsConverter, BahrsOptions, TOPICS
 from bahrs_driver.convert.worth import Appraisal
-from bahrs_driver.protocol.bahrs import Accuracy, Inertial, Navigation, SoftwareVersion
+from bahrs_driver.protocol.bahrs import (
+    Accuracy, Inertial, InertialTime, Navigation, SoftwareVersion, SyncPulseTime,
+)
 from bahrs_driver.protocol.integrity import Integrity
 import pytest
 
@@ -56,9 +58,26 @@ def yaw_degrees(quaternion):
 def test_every_message_is_of_its_topics_type():
     """And all topics of the table are published when everything is available."""
     converter, seen = BahrsConverter(OPTIONS), {}
-    for message in (ACCURACY, INERTIAL, NAVIGATION):
+    for message in (ACCURACY, INERTIAL, NAVIGATION, InertialTime(0, 1, 600_000),
+                    SyncPulseTime(0, 601_000)):
         seen.update(converter.convert(message, STAMP))
     assert {topic: type(message) for topic, message in seen.items()} == TOPICS
+
+
+def test_time_reference():
+    """ROS time of a sample in the header, its device time beside it."""
+    message = published(InertialTime(0, 1, 2_581_377))['time_reference']
+    assert (message.header.stamp.sec, message.header.stamp.nanosec) == (
+        1_700_000_000, 123_456_789)
+    assert (message.time_ref.sec, message.time_ref.nanosec) == (2, 581_377_000)
+    assert message.source == 'bahrs'
+
+
+@pytest.mark.parametrize('message', [
+    InertialTime(0, 0, 0), InertialTime(0, 1, 2 ** 64 - 1), SyncPulseTime(0, 2 ** 31 * 10 ** 6)])
+def test_times_that_cannot_be_are_not_published(message):
+    """The device has none yet, or ROS time cannot hold it."""
+    assert published(message) == {}
 
 
 def test_raw_imu():

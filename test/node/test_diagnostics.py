@@ -20,7 +20,7 @@ import pytest
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
-TASKS = ['Link', 'Framing', 'Rates', 'Integrity', 'Device', 'Publishing']
+TASKS = ['Link', 'Framing', 'Time', 'Rates', 'Integrity', 'Device', 'Publishing']
 CODEC = BahrsCodec()
 
 
@@ -167,7 +167,8 @@ def test_self_test(cable):
             after = ask()
         assert after.passed == b'\x01', after
         assert [item.name for item in after.status] == [
-            'Port open and bytes flowing', 'Frames valid', 'Rates right', 'Integrity safe']
+            'Port open and bytes flowing', 'Frames valid', 'Rates right', 'Integrity safe',
+            'Clock settled']
 
 
 def test_a_height_read_with_the_wrong_sign_names_the_parameter(cable):

@@ -1,0 +1,61 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the task Time."""
+
+from dataclasses import replace
+
+from bahrs_driver.clock import ArrivalStamps, SampleClock, TimeState
+from bahrs_driver.diagnostics.task import OK, WARN
+from bahrs_driver.diagnostics.time_task import TimeTask
+import pytest
+
+SETTLED = TimeState('device', 'device', 'next', settled=True, offset_ns=10 ** 18)
+
+
+class Fixed:
+    """A clock in a given state."""
+
+    def __init__(self, **changes):
+        """Change what is settled."""
+        self._state = replace(SETTLED, **changes)
+
+    def state(self):
+        """Return the state."""
+        return self._state
+
+
+@pytest.mark.parametrize('changes, level, words', [
+    ({}, OK, 'Stamps are device time'),
+    ({'source': 'arrival', 'in_use': 'arrival', 'settled': False}, OK, 'as time.source says'),
+    ({'settled': False, 'in_use': 'arrival', 'held': 3}, WARN, 'samples wait'),
+    ({'settled': False, 'in_use': 'arrival'}, WARN, 'stamps are arrival times'),
+    ({'source': 'sync_pulse'}, WARN, 'No sync pulses'),
+    ({'source': 'sync_pulse', 'in_use': 'sync_pulse'}, OK, 'Stamps are device time'),
+])
+def test_levels(changes, level, words):
+    """What is in use, and whether that is what was asked for."""
+    verdict = TimeTask(Fixed(**changes)).judge(100.0)
+    assert verdict.level == level and words in verdict.message
+
+
+def test_a_notice_is_shown_for_five_seconds():
+    """So that it is seen by who looks once a second."""
+    task = TimeTask(Fixed())
+    task.notice("the host's clock was set by +0.500000 s", 100.0)
+    assert task.judge(104.0) == (WARN, "the host's clock was set by +0.500000 s")
+    assert task.judge(106.0).level == OK
+
+
+def test_values():
+    """With units; and what to do about an adapter that holds back."""
+    values = TimeTask(Fixed(median_chunk=496, pulse_delay_us=50.37)).values(0.0)
+    assert values['Time messages name'] == 'the next sample'
+    assert values['Least delay by pulses [us]'] == '50.4'
+    assert 'set its timer to 1 ms' in values['Advice']
+    assert TimeTask(Fixed(median_chunk=24)).values(0.0)['Advice'] == 'none'
+
+
+@pytest.mark.parametrize('clock', [ArrivalStamps(), SampleClock()])
+def test_real_clocks_before_the_first_byte(clock):
+    """Nothing is known yet, and can be shown."""
+    assert TimeTask(clock).values(0.0)['ROS time less device time [s]'] == 'unknown'
