@@ -88,6 +88,7 @@ class DriverNode(Node):
         """Publish what the messages of one read become."""
         now = time.monotonic()
         sensor = self._sensor
+        self._time_task.update(now)
         for message, frame, stamp_ns in batch:
             sensor.health.observe(message, now)
             if sensor.nvm:
@@ -106,7 +107,7 @@ class DriverNode(Node):
             return
         try:
             self.create_subscription(TimeReference, reference, self._pulse_told, QUEUE_DEPTH)
-        except ValueError as error:
+        except NameValidationException as error:
             raise ParameterError(
                 f"parameter time.sync_pulse.reference is {reference!r}: it must be '{ROS_CLOCK}' "
                 'or the name of a topic') from error

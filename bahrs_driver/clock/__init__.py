@@ -11,7 +11,8 @@ time), `tracker` and `pulses` over `kalman` (device time to host time), `output`
 
 from bahrs_driver.clock.arrival import ArrivalClock, ArrivalStamps
 from bahrs_driver.clock.interface import Clock, Instant, Stamped, TimeState
-from bahrs_driver.clock.sample_clock import ClockOptions, SampleClock
+from bahrs_driver.clock.options import ClockOptions
+from bahrs_driver.clock.sample_clock import SampleClock
 from bahrs_driver.clock.units import BITS_PER_BYTE, byte_time_ns, NANOSECONDS
 
 __all__ = [

@@ -74,4 +74,4 @@ class Clock(Protocol):
         """Return what the user should be told since the last call, a sentence each."""
 
     def state(self) -> TimeState:
-        """Return how stamps are made at present. May be called from any thread."""
+        """Return how stamps are made at present."""

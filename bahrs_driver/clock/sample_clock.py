@@ -11,15 +11,14 @@ takes longer they get the time of their arrival. Messages that are no samples do
 
 from collections import deque
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from statistics import median_low
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 from bahrs_driver.clock.bounds import ByteBounds
 from bahrs_driver.clock.device_time import DeviceTime, Verdict
 from bahrs_driver.clock.host import HostClocks
 from bahrs_driver.clock.interface import Instant, Stamped, TimeState
-from bahrs_driver.clock.labels import Label
+from bahrs_driver.clock.options import ClockOptions
 from bahrs_driver.clock.output import IMPOSSIBLE, Output
 from bahrs_driver.clock.sync_pulses import SyncPulses
 from bahrs_driver.clock.tracker import Tracker
@@ -36,17 +35,6 @@ from bahrs_driver.protocol.framing import Frame
 MOST_HELD = 60          # inertial samples
 LONGEST_AGO = 10 * NANOSECONDS      # that a message may tell of
 CHUNKS = 99             # reads whose size is remembered
-
-
-@dataclass(frozen=True)
-class ClockOptions:
-    """What the user may choose; times in ns."""
-
-    source: Literal['device', 'sync_pulse'] = 'device'
-    label: Label = 'auto'
-    fixed_latency: int = 0
-    pulse_period: int = NANOSECONDS
-    pulse_times_told: bool = False      # rather than whole periods of ROS time
 
 
 class _Waiting(NamedTuple):
@@ -285,7 +273,7 @@ class SampleClock:
         self._notices.append(f"the host's clock was set by {step / NANOSECONDS:+.6f} s")
 
     def state(self) -> TimeState:
-        """Return how stamps are made at present. May be called from any thread."""
+        """Return how stamps are made at present."""
         device, tracker, pulses = self._device, self._tracker, self._pulses
         known, period = device.known and tracker.started, device.period
         offset = None

@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from bahrs_driver.clock import Clock, TimeState
 from bahrs_driver.diagnostics.task import OK, Verdict, WARN
 
-LOOK_AGAIN = 0.2        # s; it is judged after every read
+LOOK_AGAIN = 0.2        # s
 NOTICE_LIFETIME = 5.0   # s that a change is shown
 LONG_CHUNK = 60         # bytes a read, from which on an adapter holds them back
 
 
 class TimeTask:
-    """Watches a clock."""
+    """Watches a clock, which only the thread that uses it may look at."""
 
     name = 'Time'
 
@@ -28,9 +28,14 @@ class TimeTask:
         """Take what happened to the clocks."""
         self._notice, self._noticed = sentence, now
 
+    def update(self, now: float) -> None:
+        """Look at the clock, on its thread; not at every read, for that would cost."""
+        if now - self._looked >= LOOK_AGAIN:
+            self._state, self._looked = self._clock.state(), now
+
     def judge(self, now: float) -> Verdict:
         """Return how stamps are made at present."""
-        state = self._look(now)
+        state = self._state
         if now - self._noticed < NOTICE_LIFETIME:
             return Verdict(WARN, self._notice)
         if state.source == 'arrival':
@@ -45,7 +50,7 @@ class TimeTask:
 
     def values(self, now: float) -> Mapping[str, str]:
         """Return what the clock knows."""
-        state = self._look(now)
+        state = self._state
         return {
             'Source': state.source,
             'Source in use': state.in_use,
@@ -69,11 +74,6 @@ class TimeTask:
             'Median chunk [bytes]': str(state.median_chunk),
             'Advice': _advice(state),
         }
-
-    def _look(self, now: float) -> TimeState:
-        if now - self._looked >= LOOK_AGAIN:
-            self._state, self._looked = self._clock.state(), now
-        return self._state
 
 
 def _label(state: TimeState) -> str:

@@ -58,6 +58,8 @@ def test_signal_ends_it_cleanly(cable):
     (['-p', 'baud_rate:=fast'], "parameter baud_rate is 'fast': it must be a whole number"),
     (['-p', 'frame_convention:=nwu'], "parameter frame_convention is 'nwu': it must be 'enu'"),
     (['-p', 'stddev.velocity:=-1'], 'parameter stddev.velocity is -1.0: it must be a decimal'),
+    (['-p', 'time.sync_pulse.reference:=not a topic'],
+     "parameter time.sync_pulse.reference is 'not a topic': it must be 'ros_clock' or the name"),
     (['-p', 'port:=foo://bar'], "parameter port is 'foo://bar': invalid URL, protocol 'foo'"),
     (['-p', 'port'], "Couldn't parse parameter override rule: '-p port'"),
     (['--params-file', 'nowhere.yaml'], 'Error opening YAML file'),

@@ -1,0 +1,20 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the user may choose."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from bahrs_driver.clock.labels import Label
+from bahrs_driver.clock.units import NANOSECONDS
+
+
+@dataclass(frozen=True)
+class ClockOptions:
+    """What the user may choose; times in ns."""
+
+    source: Literal['device', 'sync_pulse'] = 'device'
+    label: Label = 'auto'
+    fixed_latency: int = 0
+    pulse_period: int = NANOSECONDS
+    pulse_times_told: bool = False      # rather than whole periods of ROS time
