@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: help setup run test lint docs bench build clean
+.PHONY: help setup run test lint docs bench bench-clock build clean
 
 help:
 	@echo 'make run      watch the driver at work on an emulated device'
@@ -12,6 +12,7 @@ help:
 	@echo 'make test     all tests and linters'
 	@echo 'make lint     linters only'
 	@echo 'make bench    what a frame costs, with its floor'
+	@echo 'make bench-clock   how far stamps are from the truth; ten minutes'
 	@echo 'make docs     write the tables of the README from the code'
 	@echo 'make build    build with colcon into install/'
 	@echo 'make setup    make .venv'
@@ -39,6 +40,9 @@ docs: $(READY)
 
 bench: $(READY)
 	$(BIN)/python bench/protocol.py
+
+bench-clock: $(READY)
+	PYTHONPATH=bench:test $(BIN)/python bench/clock.py --node
 
 build: $(READY)
 	. $(BIN)/activate && colcon build --paths .

@@ -1,0 +1,189 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+How far stamps are from the truth, in all cases and ways, and what a stamp costs.
+
+Simulated, ten minutes a run, on seeds that no parameter was chosen with. With --node also through
+a real pseudo-terminal, the driver and the middleware, in a subscriber. Writes bench/clock.md and
+docs/clock.png.
+"""
+
+import argparse
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+import sys
+import time
+
+from bahrs_driver.clock import ClockOptions, SampleClock, Stamped
+from clock_methods import others, ours, Stamp
+from clock_picture import draw
+from clock_simulation import BYTE_TIME, Case, ORIGIN, plain_ros, Simulation
+from clock_table import figures, HEADER, table
+
+ROOT = Path(__file__).resolve().parents[1]
+SEEDS = (101, 102, 103)
+ADAPTERS = {'16 ms timer': 0.016, '62-byte packets': 'packets', '1 ms timer': 0.001,
+            'plain': 'plain'}
+SETTLED = 10.0          # s
+STEP_US = 400_000       # below what the host is set by
+PULSES = ClockOptions(source='sync_pulse')
+
+
+def stepped(raw: int) -> int:
+    """Return the ROS time of a host that is set at 200 s and at 400 s."""
+    since = raw - ORIGIN
+    return plain_ros(raw) + 500_000_000 * (since > 200e9) - 700_000_000 * (since > 400e9)
+
+
+def slewed(raw: int) -> int:
+    """Return the ROS time of a host that is slewed by 500 ppm for 20 s."""
+    return plain_ros(raw) + int(500e-6 * min(max(0, raw - ORIGIN - 200e9), 20e9))
+
+
+CASES = {
+    '1 % of frames lost': Case(loss=0.01),
+    'device restarted twice': Case(restarts=(200.0, 400.0)),
+    'host set by +0.5 s, -0.7 s': Case(ros=stepped),
+    'host slewed by 500 ppm': Case(ros=slewed),
+    'overload of 40 s': Case(overload=(200.0, 240.0)),
+    'temperature, 10 ppm': Case(temperature_ppm=10.0),
+    '1 % of counters damaged': Case(bad_counters=0.01),
+    '5 % of time messages wrong': Case(bad_times=0.05),
+    'first time message after 2.8 s': Case(first_time_message=2.8),
+    'start as in the recording': Case(pause_before=16, pause=2.7),
+    'time messages name the same': Case(label=0),
+    'clock 200 ppm off': Case(drift_ppm=200.0),
+}
+
+
+def judged(stamps: list[Stamp], case: Case, settled: float = SETTLED) -> list[float]:
+    """
+    Return the errors of a run once settled.
+
+    Not settled are the first seconds after power-on. What was measured before a host was set and
+    read after it is on the new time, and is not counted.
+    """
+    begins = (0.0, *case.restarts)
+    return [stamp.error_us for stamp in stamps
+            if stamp.time - max(begin for begin in begins if begin <= stamp.time) >= settled
+            and abs(stamp.error_us) < STEP_US]
+
+
+def adapters() -> Iterator[tuple[object, ...]]:
+    """Yield rows: every way with every adapter."""
+    for name, adapter in ADAPTERS.items():
+        errors: dict[str, list[float]] = {}
+        for seed in SEEDS:
+            case = Case(adapter=adapter)
+            for way, stamps in others(case, seed).items():
+                errors.setdefault(way, []).extend(judged(stamps, case))
+            errors.setdefault('**ours**', []).extend(judged(ours(case, seed)[0], case))
+            pulsed = replace(case, pulses=(1.0, case.seconds))
+            errors.setdefault('**ours, with pulses**', []).extend(
+                judged(ours(pulsed, seed, PULSES)[0], pulsed))
+        for way, values in errors.items():
+            yield name, way, *figures(values)
+
+
+def cases() -> Iterator[tuple[object, ...]]:
+    """Yield rows: our clock in every case, without pulses and with."""
+    for name, case in CASES.items():
+        for adapter in ('16 ms timer', '62-byte packets'):
+            for way, options in (('passive', ClockOptions()), ('pulses', PULSES)):
+                run = replace(case, adapter=ADAPTERS[adapter],
+                              pulses=(1.0, case.seconds) if options is PULSES else (0.0, 0.0))
+                stamps, clock = ours(run, SEEDS[0], options)
+                state = clock.state()
+                yield (f'{name}, {adapter}', way, *figures(judged(stamps, run)),
+                       sum(stamp.stamp > stamp.read for stamp in stamps),
+                       sum(later.stamp <= earlier.stamp
+                           for earlier, later in zip(stamps, stamps[1:])),
+                       state.dropped)
+
+
+def settling() -> Iterator[tuple[object, ...]]:
+    """Yield rows: the largest error of the first seconds, after power-on and after a restart."""
+    for name, adapter in ADAPTERS.items():
+        worst = [0.0] * 4
+        for seed in range(SEEDS[0], SEEDS[0] + 20):
+            case = Case(40.0, adapter, restarts=(20.0,))
+            stamps, _ = ours(case, seed)
+            for index, (begin, end) in enumerate(((0, 2.6), (2.6, 20.3), (20.3, 21.9),
+                                                  (21.9, 40))):
+                worst[index] = max([worst[index]] + [
+                    abs(stamp.error_us) for stamp in stamps if begin <= stamp.time < end])
+        yield name, *worst
+
+
+def cost() -> Iterator[tuple[object, ...]]:
+    """Yield rows: microseconds a message; the floor makes the same tuples and no more."""
+    for name, adapter in ADAPTERS.items():
+        reads = list(Simulation(Case(60.0, adapter), SEEDS[0]).reads())
+        count = sum(len(messages) for _, _, messages in reads)
+
+        def floor() -> None:
+            for now, _, messages in reads:
+                _ = [Stamped(message, frame, now.ros_ns) for message, frame in messages]
+
+        def clock() -> None:
+            made = SampleClock()
+            made.begin(BYTE_TIME)
+            for now, received, messages in reads:
+                made.read(now, received)
+                made.stamp(messages)
+
+        floor_us, clock_us = best(floor) / count, best(clock) / count
+        yield (name, f'{count / len(reads):.2f}', f'{floor_us:.2f}', f'{clock_us:.2f}',
+               f'{clock_us / floor_us:.1f}')
+
+
+def best(work: Callable[[], None], runs: int = 5) -> float:
+    """Return the microseconds of the best of several runs."""
+    times = []
+    for _ in range(runs):
+        begin = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - begin)
+    return min(times) * 1e6
+
+
+def report(node: bool) -> Iterator[str]:
+    """Yield the parts of the page."""
+    yield ('# How far stamps are from the truth\n\nWritten by `make bench-clock`. '
+           'Microseconds; p50, p99 and max of the error itself, of which a constant delay cannot '
+           'be observed without pulses, then of the error about its own median ("wander").')
+    yield (f'## Adapters\n\nSimulated, {len(SEEDS)} runs of ten minutes, from {SETTLED:.0f} s on. '
+           'The other ways are given the true device time of every sample.')
+    yield table(HEADER, adapters())
+    yield '## Cases\n\nOur clock. The last three columns count stamps.'
+    yield table((*HEADER, 'after their read', 'not increasing', 'dropped'), cases())
+    yield ('## Settling\n\nLargest error of 20 runs. A sample that was held until device time was '
+           'known counts at the time of the read that released it.')
+    yield table(('adapter', 'first 2 s', 'then, to 20 s', 'first second after a restart',
+                 'then'), settling())
+    yield '## Cost\n\nMicroseconds a message, and the floor in the same run.'
+    yield table(('adapter', 'messages a read', 'floor', 'clock', 'clock / floor'), cost())
+    if node:
+        from clock_node import measured, NODE_HEADER
+        yield ('## In a subscriber\n\nEmulated device on a real pseudo-terminal, driver, '
+               'middleware; against the truth that the emulator wrote.')
+        yield table(NODE_HEADER, measured())
+
+
+def main() -> int:
+    """Write page and picture."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--node', action='store_true', help='also through the real node')
+    options = parser.parse_args()
+    parts = []
+    for part in report(options.node):
+        print(part, end='\n\n', flush=True)
+        parts.append(part)
+    (ROOT / 'bench' / 'clock.md').write_text('\n\n'.join(parts) + '\n')
+    draw(ROOT / 'docs' / 'clock.png', Case(60.0), SEEDS[0])
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,39 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The picture of docs/clock.md: stamp error over time."""
+
+from pathlib import Path
+
+from clock_methods import others, ours, Stamp
+from clock_simulation import Case
+import matplotlib
+matplotlib.use('Agg')
+from matplotlib import pyplot    # noqa: E402, I100
+
+STYLE = {'arrival': {'color': '#c0c0c0', 'marker': '.', 'linestyle': '', 'markersize': 1.5},
+         'moving average': {'color': '#d97706', 'linewidth': 1.0},
+         'ours': {'color': '#1d4ed8', 'linewidth': 1.2}}
+
+
+def draw(path: Path, case: Case, seed: int) -> None:
+    """Draw a run into a file."""
+    ways: dict[str, list[Stamp]] = {**others(case, seed), 'ours': ours(case, seed)[0]}
+    figure, (whole, near) = pyplot.subplots(2, 1, sharex=True, figsize=(9, 6))
+    for way, style in STYLE.items():
+        times = [stamp.time for stamp in ways[way]]
+        whole.plot(times, [stamp.error_us / 1000 for stamp in ways[way]], label=way, **style)
+    near.plot([stamp.time for stamp in ways['ours']],
+              [stamp.error_us for stamp in ways['ours']], **STYLE['ours'])
+    whole.set_ylim(-2, 40)
+    near.set_ylim(0, 200)
+    whole.set_ylabel('error / ms')
+    near.set_ylabel('error of ours / µs')
+    near.set_xlabel('time since power-on / s')
+    whole.legend(loc='upper right', markerscale=6)
+    whole.set_title('Stamps less true time: adapter with a latency timer of 16 ms')
+    for axes in (whole, near):
+        axes.grid(alpha=0.3)
+    figure.tight_layout()
+    path.parent.mkdir(exist_ok=True)
+    figure.savefig(path, dpi=110)
+    pyplot.close(figure)
