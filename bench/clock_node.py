@@ -17,7 +17,7 @@ from sensor_msgs.msg import Imu
 NODE_HEADER = ('latency timer', 'time.source', 'stamps', 'p50', 'p99', 'max', 'wander p99',
                'wander max')
 TIMERS = ('16', 'packets', '1', 'none')
-SECONDS, SETTLED = 24, 10.0     # s
+SECONDS, SETTLED = 22, 10.0     # s
 SEED = 101
 LONGEST_DELAY = 400             # samples that may be missed before the subscriber is found
 

@@ -6,7 +6,7 @@ from bahrs_driver.clock.units import NANOSECONDS
 
 SKEW_LIMIT = 250e-6
 OFFSET_WALK = 300.0 ** 2 / NANOSECONDS          # ns^2 for each ns: 0.3 us a root second
-SKEW_WALK = 0.2e-6 ** 2 / NANOSECONDS           # for each ns: 0.2 ppm a root second
+SKEW_WALK = 0.1e-6 ** 2 / NANOSECONDS           # for each ns: 0.1 ppm a root second
 
 
 class OffsetFilter:
