@@ -7,14 +7,17 @@ A port is a path or any pyserial URL. What goes wrong with it is told in one sen
 the port, the reason and the remedy, and is always a LinkError: the port may be back in a second.
 """
 
+import contextlib
 import errno
 import grp
 import os
 import pwd
 import stat
 import termios
+import threading
 import time
-from typing import NamedTuple
+from typing import Any, NamedTuple
+from urllib.parse import urlsplit
 
 from bahrs_driver.clock import byte_time_ns, Instant
 import serial
@@ -62,14 +65,18 @@ class Link:
     """A port that can be opened again and again."""
 
     def __init__(self, port: str, baud_rate: int) -> None:
-        """Take a path or pyserial URL; ValueError for a URL that pyserial does not know."""
+        """Take a path or pyserial URL; ValueError for a URL that can never be opened."""
         self.port = port
         self.baud_rate = baud_rate
         self._is_url = '://' in port
         self._is_socket = port.startswith('socket://')
-        self._serial = serial.serial_for_url(
-            port, baudrate=baud_rate, timeout=READ_TIMEOUT, write_timeout=WRITE_TIMEOUT,
-            exclusive=True, do_not_open=True)
+        self._closing = threading.Lock()
+        if self._is_socket and not (urlsplit(port).hostname and urlsplit(port).port):
+            raise ValueError('it must have a host and a port, such as socket://host:4001')
+        try:
+            self._serial = self._make()
+        except OSError:             # hwgrep:// finds nothing yet
+            self._serial = serial.Serial()
 
     @property
     def is_open(self) -> bool:
@@ -86,6 +93,7 @@ class Link:
     def connect(self) -> None:
         """Open the port for this process alone. LinkError says why it cannot be."""
         try:
+            self._serial = self._make()
             self._serial.open()
         except (OSError, ValueError, termios.error) as error:
             raise self._why_not_open(error) from error
@@ -98,29 +106,36 @@ class Link:
             else:
                 data = self._serial.read(self._serial.in_waiting or 1)
         except OSError as error:
-            raise LinkError(f'{self.port} is gone: plug it in again, the driver will find it',
-                            absent=True) from error
+            remedy = 'the driver goes on trying' if self._is_url \
+                else 'plug it in again, the driver will find it'
+            raise LinkError(f'{self.port} is gone: {remedy}', absent=True) from error
         return Reading(data, now()) if data else None
 
     def write(self, data: bytes) -> None:
         """Send all of data. LinkError if the port is gone or takes no more."""
         try:
-            self._serial.write(data)
+            with self._closing:
+                self._serial.write(data)
         except OSError as error:
             raise LinkError(f'{self.port} does not take data: {error}') from error
 
     def cancel_read(self) -> None:
         """Wake the thread that waits in read, if the port's kind allows it."""
-        cancel = getattr(self._serial, 'cancel_read', None)
-        if cancel is not None and self.is_open:
-            cancel()
+        with self._closing:
+            cancel = getattr(self._serial, 'cancel_read', None)
+            if cancel is not None and self.is_open:
+                cancel()
 
     def close(self) -> None:
         """Close the port. Closing one that is gone or closed does no harm."""
-        try:
+        with self._closing, contextlib.suppress(OSError):
             self._serial.close()
-        except OSError:
-            pass
+
+    def _make(self) -> Any:
+        # Each time, for hwgrep:// looks for the device then and there.
+        return serial.serial_for_url(
+            self.port, baudrate=self.baud_rate, timeout=READ_TIMEOUT,
+            write_timeout=WRITE_TIMEOUT, exclusive=True, do_not_open=True)
 
     def _read_socket(self) -> bytes:
         # A socket cannot say how much is waiting: take the first byte, then all that is there.

@@ -89,6 +89,8 @@ class Receiver:
                 self._open()
                 self._read_on()
             except LinkError as error:
+                # A port that is held on to comes back under another name.
+                self._link.close()
                 self._fail(error)
                 self._stopping.wait(self._pause)
                 self._pause = min(2 * self._pause, LONGEST_PAUSE)
@@ -109,12 +111,13 @@ class Receiver:
             reading = self._link.read()
             if reading is None:
                 continue
-            self._pause = FIRST_PAUSE
             self.counters.reads += 1
             self.counters.bytes_received += len(reading.data)
             self.counters.last_bytes = (self.counters.last_bytes + reading.data)[-SAMPLE_SIZE:]
             self.counters.last_data = time.monotonic()
             frames = self._framer.feed(reading.data)
+            if frames:          # a port that opens and closes at once is not tried any faster
+                self._pause = FIRST_PAUSE
             self._clock.read(reading.now, self._framer.received)
             self._hand_over(self._stamped(frames))
 

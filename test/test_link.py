@@ -191,6 +191,22 @@ def test_unknown_url_is_the_callers_mistake():
         Link('foo://bar', BAUD)
 
 
+@pytest.mark.parametrize('url', ['socket://', 'socket://host', 'socket://:4001'])
+def test_socket_without_host_or_port_is_the_callers_mistake(url):
+    """It is told what would be right."""
+    with pytest.raises(ValueError, match='must have a host and a port, such as socket://'):
+        Link(url, BAUD)
+
+
+def test_a_url_that_looks_for_a_device_may_find_it_later():
+    """Not finding it now is a reason like any other."""
+    link = Link('hwgrep://no-such-device-anywhere', BAUD)
+    with pytest.raises(LinkError, match='hwgrep://no-such-device-anywhere cannot be opened'):
+        link.connect()
+    assert not link.is_open
+    link.close()
+
+
 @pytest.mark.parametrize('name, expected', [
     ('/dev/ttyUSB0', 86805), ('/dev/ttyACM0', 0), ('socket://host:4001', 0)])
 def test_time_of_a_byte_on_the_line(name, expected):
