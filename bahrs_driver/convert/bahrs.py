@@ -171,7 +171,7 @@ class BahrsConverter:
         level = None if roll is None or pitch is None else max(roll, pitch)
         yield from self._attitude(message, sample, level, heading)
         if level is not None and heading is not None and self._options.publish_field:
-            yield from self._field(message, heading, sample.stamp_ns)
+            yield from self._field(message, max(level, heading), sample.stamp_ns)
         yield 'heading', ros.number(
             math.nan if heading is None else math.degrees(message.magnetic_heading) % 360.0)
 

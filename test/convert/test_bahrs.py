@@ -165,6 +165,21 @@ def test_integrity_risk_is_still_a_value(policy, factor):
     assert out['heading'].data == pytest.approx(30)
 
 
+@pytest.mark.parametrize('signal', ['roll', 'pitch', 'magnetic_heading'])
+def test_what_is_derived_is_worth_no_more_than_what_it_is_derived_from(signal):
+    """The field across the heading has the risk of each of the three angles."""
+    safe = published(ACCURACY, INERTIAL, replace(NAVIGATION, roll=0.0, pitch=0.0))['imu/mag']
+    risky = published(ACCURACY, INERTIAL, with_health(
+        replace(NAVIGATION, roll=0.0, pitch=0.0), **{signal: RISK}))['imu/mag']
+    across = [-math.sin(math.radians(30)), math.cos(math.radians(30))]
+
+    def variance(field):
+        matrix = field.magnetic_field_covariance.reshape(3, 3)[:2, :2]
+        return 1e12 * (across @ matrix @ across)        # in microtesla squared
+
+    assert variance(risky) == pytest.approx(100 * variance(safe))
+
+
 def test_integrity_risk_may_be_withheld():
     """It is then treated as unavailable."""
     appraisal = Appraisal('withhold', 100.0)
