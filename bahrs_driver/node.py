@@ -39,6 +39,7 @@ from sensor_msgs.msg import TimeReference
 
 QUEUE_DEPTH = 100               # half a second of the fastest topic
 DIAGNOSTICS_PERIOD = 1.0        # s
+WATCH_PERIOD = 0.1              # s, for what changes because nothing comes
 SERVICE_THREADS = 3             # so that a service that takes long holds up nothing
 
 
@@ -62,6 +63,7 @@ class DriverNode(Node):
         self._diagnostics = self._publisher(DiagnosticArray, '/diagnostics')
         self._listen_for_pulses(settings['time.sync_pulse.reference'])
         self.create_timer(DIAGNOSTICS_PERIOD, self._report)
+        self.create_timer(WATCH_PERIOD, self._report_change)
         self.create_service(SelfTest, '~/self_test', self._self_test)
         if sensor.nvm:
             self._nvm_services = NvmServices(self, sensor.nvm)
@@ -95,6 +97,9 @@ class DriverNode(Node):
             if sensor.nvm:
                 sensor.nvm.receive(message, frame)
             self._publish(sensor.converter.convert(message, stamp_ns))
+        self._report_change()
+
+    def _report_change(self) -> None:
         if self._monitor.level_changed():
             self._report()
 

@@ -25,7 +25,8 @@ class BahrsHealth:
         """Take the integrity of each signal, kept up to date by its owner, and the NVM's state."""
         self._rates = RatesTask(EXPECTED_RATES, rate_tolerance, stale_timeout)
         self._device = DeviceTask(nvm_status)
-        self.tasks: Sequence[Task] = (self._rates, SignalsTask(signals), self._device)
+        self.tasks: Sequence[Task] = (
+            self._rates, SignalsTask(signals, self._rates.stale), self._device)
 
     def observe(self, message: Any, now: float) -> None:
         """Take a message, received at a time in seconds (monotonic)."""

@@ -30,8 +30,9 @@ class DeviceTask:
             self._software = message
         elif isinstance(message, HardwareVersion):
             self._hardware = message
-        elif isinstance(message, Navigation) and message.health[0].available:
-            self._impossible_height = message.pressure_height < IMPOSSIBLE_HEIGHT
+        elif isinstance(message, Navigation):
+            self._impossible_height = (message.health[0].available
+                                       and message.pressure_height < IMPOSSIBLE_HEIGHT)
 
     @property
     def hardware_id(self) -> str:

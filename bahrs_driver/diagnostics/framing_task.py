@@ -34,20 +34,24 @@ class FramingTask:
         self._error_share = error_share
         self._window = Window(self._counts)
 
-    def _counts(self) -> tuple[int, int, int, int]:
+    def _counts(self) -> tuple[int, int, int, int, int]:
         framing = self._framer.counters
-        return (self._counters.bytes_received, framing.frames + framing.unknown_types.total(),
+        strangers = framing.unknown_types.total()
+        return (self._counters.bytes_received, framing.frames + strangers, strangers,
                 framing.crc_failures, framing.skipped_bytes)
 
     def judge(self, now: float) -> Verdict:
         """Return how the last second went."""
-        _, (received, frames, failures, skipped) = self._window.growth(now)
+        _, (received, frames, strangers, failures, skipped) = self._window.growth(now)
         if not received:
             return Verdict(OK, 'Nothing received')
         if not frames:
             if received < ENOUGH_BYTES:
                 return Verdict(OK, 'Waiting for a whole frame')
             return Verdict(ERROR, self._why_no_frames())
+        if frames == strangers:
+            return Verdict(ERROR, f'Only frames of unknown type arrive: is the {self._sensor} '
+                                  'newer than this driver?')
         share = failures / (failures + frames)
         if share > self._error_share:
             return Verdict(ERROR, f'{share:.0%} of the frames are damaged: check cable, ground '

@@ -4,12 +4,11 @@
 
 from collections.abc import Mapping
 
+from bahrs_driver.clock import BITS_PER_BYTE
 from bahrs_driver.diagnostics.task import ago, ERROR, OK, Verdict
 from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.link import Link
 from bahrs_driver.receiver import LinkCounters
-
-BITS_PER_BYTE = 10
 
 
 class LinkTask:

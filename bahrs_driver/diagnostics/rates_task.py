@@ -11,6 +11,7 @@ from bahrs_driver.diagnostics.window import Window
 
 COUNTER_MODULUS = 256
 RATE_SPAN = 2.0             # s over which a rate is measured
+LONGEST_GAP = 0.5           # s; when nothing at all comes for longer, the device has paused
 
 
 class RatesTask:
@@ -33,6 +34,7 @@ class RatesTask:
         self._lost = Counter[str]()
         self._last: dict[str, tuple[int, float]] = {}
         self._last_any: float | None = None
+        self._flowing = 0.0         # s, time in which the stream did not pause
         self._last_service: float | None = None
         self._window = Window(
             lambda: [self._received[name] for name in expected], RATE_SPAN)
@@ -49,21 +51,31 @@ class RatesTask:
         if name not in self._expected:
             self._notice_service(message, now)
             return
+        if self._last_any is not None:
+            self._flowing += min(now - self._last_any, LONGEST_GAP)
+            if self._last_service is not None and self._last_service > self._last_any:
+                self.restart()          # the device was asked to pause
+        self._last_any = now
+        if not self._last:
+            self._window.restart()          # rates begin with the first message
         self._received[name] += 1
         if name in self._last:
-            self._lost[name] += missing(*self._last[name], message.sequence, now,
+            self._lost[name] += missing(*self._last[name], message.sequence, self._flowing,
                                         self._expected[name])
-        self._last[name] = message.sequence, now
-        self._last_any = now
+        self._last[name] = message.sequence, self._flowing
 
     def restart(self) -> None:
         """Begin to count gaps afresh: the device was switched on, or the port opened again."""
         self._last.clear()
         self._window.restart()
 
+    def stale(self, now: float) -> bool:
+        """Return whether the stream has ended."""
+        return self._last_any is None or now - self._last_any > self._stale_timeout
+
     def judge(self, now: float) -> Verdict:
         """Return whether the stream flows, whole and at its rates."""
-        if self._last_any is None or now - self._last_any > self._stale_timeout:
+        if self.stale(now):
             return self._why_stale(now)
         _, losses = self._losses.growth(now)
         if any(losses):

@@ -190,6 +190,55 @@ def test_a_restart_is_no_loss():
     assert stream.task.lost == {'inertial': 0}
 
 
+@pytest.mark.parametrize('pause', [0.6, 2.7, 30.0])
+def test_a_pause_of_the_device_is_no_loss(pause):
+    """As at the start of the real one: its counter goes on where it stood."""
+    stream = Stream()
+    stream.run(0.1)
+    stream.now += pause
+    stream.run(1)
+    assert stream.task.lost == {'inertial': 0}
+
+
+def test_diagnostics_mode_is_no_loss():
+    """However its counters go on afterwards."""
+    stream = Stream()
+    stream.run(1)
+    stream.task.observe(Acknowledgement(0xF0, 0), stream.now + 0.1)
+    stream.now += 0.3
+    stream.sequence += 60
+    stream.run(1)
+    assert stream.task.lost == {'inertial': 0}
+
+
+def test_rates_begin_with_the_first_message():
+    """A device that starts late is not slow."""
+    task = RatesTask({'inertial': 200.0}, 0.05, 1.0)
+    task.judge(0.0)
+    stream = Stream()
+    stream.task, stream.now = task, 1.5
+    assert stream.run(1).level == OK
+    assert stream.run(3).level == OK
+
+
+def test_integrity_of_a_stream_that_ended_is_not_known():
+    """However safe it was."""
+    task = SignalsTask({'roll': SAFE}, lambda now: now > 5.0)
+    assert task.judge(4.0) == (OK, 'All signals safe')
+    assert task.judge(6.0) == (STALE, 'Nothing heard from the device')
+
+
+def test_a_device_of_an_unknown_version_is_told():
+    """Its frames are intact, and not one of them is understood."""
+    framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters()
+    task = FramingTask(framer, counters, 115200, 'bahrs', dict, 0.1)
+    task.judge(0.0)
+    counters.bytes_received = 8000
+    framer.counters.unknown_types['0x01 of version 4'] = 300
+    level, message = task.judge(1.0)
+    assert level == ERROR and 'is the bahrs newer than this driver?' in message
+
+
 @pytest.mark.parametrize('signals, level, message', [
     ({'roll': None, 'pitch': None}, STALE, 'Nothing heard from the device'),
     ({'roll': SAFE, 'pitch': SAFE}, OK, 'All signals safe'),
