@@ -24,6 +24,8 @@ def main() -> int:
     options = parser.parse_args()
     # Ctrl-C reaches all children too; they end themselves and we wait for them.
     signal.signal(signal.SIGINT, lambda *_: None)
+    # Nobody else would end them then.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
         port = options.port
         if port is None:

@@ -41,6 +41,10 @@ def main(args: list[str] | None = None) -> int:
         # Whoever read our output has seen enough; let nothing complain at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:
+        print(f'bahrs {verb}: cannot go on: {error}', file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
 
 
 def _parser(chosen: str) -> argparse.ArgumentParser:

@@ -41,12 +41,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = _EXAMPLES
     parser.add_argument('--duration', type=float, metavar='SECONDS',
                         help='end after this time (default: at Ctrl-C)')
+    parser.add_argument('--namespace', default='', metavar='NAME',
+                        help='namespace of the driver and its topics (default: none)')
 
 
 def run(options: argparse.Namespace) -> int:
     """Watch until the time is up or Ctrl-C; 1 if no driver was heard."""
     rclpy.init(args=[])
-    watch = Watch(rclpy.create_node(f'bahrs_monitor_{os.getpid()}'))
+    watch = Watch(rclpy.create_node(f'bahrs_monitor_{os.getpid()}', namespace=options.namespace))
     console = Console()
     end = math.inf if options.duration is None else time.monotonic() + options.duration
     try:
@@ -131,7 +133,7 @@ class Watch:
 
     def _judge(self, array: DiagnosticArray) -> None:
         for status in array.status:
-            if status.name.startswith('bahrs_driver: '):
+            if 'bahrs_driver: ' in status.name:         # or the qualified name of the node
                 self._health[status.name] = status
 
 
@@ -171,6 +173,7 @@ _FORMATS: dict[str, Callable[[Any], str]] = {
     'pressure_altitude': lambda message: f'{message.altitude:.1f} m',
     'altitude/pose': lambda message: f'z {message.pose.pose.position.z:+.1f} m',
     'velocity': lambda message: f'z {message.twist.twist.linear.z:+.2f} m/s',
-    'heading': lambda message: f'{message.data:.1f}°',
+    'heading': lambda message: 'unavailable' if math.isnan(message.data)
+    else f'{message.data:.1f}°',
     'integrity': _integrity,
 }

@@ -53,7 +53,8 @@ def test_built_node_publishes_the_recording(prefix, tmp_path):
               f'exec {prefix}/bahrs_driver/lib/bahrs_driver/driver_node --ros-args '
               f'--params-file {prefix}/bahrs_driver/share/bahrs_driver/config/bahrs.yaml '
               f'-p port:={link}')
-    with listening(TOPICS) as ear, running('bahrs', 'replay', str(part), '--link', link) as player:
+    with listening(TOPICS) as ear, running(
+            'bahrs', 'replay', str(part), '--link', link, '--settle', '3') as player:
         assert wait_for(lambda: player.lines)
         node = Process(['bash', '-c', script])
         try:

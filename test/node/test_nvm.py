@@ -122,7 +122,9 @@ def test_failures_are_told_and_leave_no_file(emulator, tmp_path):
 
 def test_cancel_and_unplug(emulator, tmp_path):
     """In the midst of a dump; each time the stream comes back by itself."""
-    device = emulator('--scenario', str(write(tmp_path, '6 unplug 1\n')))
+    times = (6, 9.3, 12.7, 16.1)        # one of them will be in the midst of a dump
+    scenario = ''.join(f'{time} unplug 1\n' for time in times)
+    device = emulator('--scenario', str(write(tmp_path, scenario)))
     file = tmp_path / 'dump.bin'
     with listening(HEARD) as ear, driver(str(tmp_path / 'port'), nvm__dump_path=file) as node:
         services = Services(ear.node)
