@@ -165,6 +165,11 @@ def _integrity(notice: Any) -> str:
     return ', '.join(troubled) or 'all signals safe'
 
 
+def _device_time(reference: Any) -> str:
+    time = reference.time_ref
+    return f'device time {time.sec + time.nanosec * 1e-9:.6f} s'
+
+
 _FORMATS: dict[str, Callable[[Any], str]] = {
     'imu/data_raw': _force_and_rate,
     'imu/data': _attitude,
@@ -176,4 +181,6 @@ _FORMATS: dict[str, Callable[[Any], str]] = {
     'heading': lambda message: 'unavailable' if math.isnan(message.data)
     else f'{message.data:.1f}°',
     'integrity': _integrity,
+    'time_reference': _device_time,
+    'sync_pulse': _device_time,
 }

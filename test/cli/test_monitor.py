@@ -1,0 +1,27 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of `bahrs monitor`, as a process beside the node."""
+
+from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.emulator.pty_port import PtyPort
+from devices import Device
+from processes import driver, running
+
+
+def test_every_topic_and_task_is_shown():
+    """With what came last."""
+    with PtyPort() as cable, driver(cable.path), Device(cable), \
+            running('bahrs', 'monitor', '--duration', '4') as monitor:
+        assert monitor.wait(20) == 0, monitor.text
+    rows = {line.split()[0]: line for line in monitor.lines if line.strip()}
+    assert set(TOPICS) <= set(rows)
+    assert ' m/s' in rows['velocity'] and 'device time' in rows['time_reference']
+    assert f'{cable.path} is open' in monitor.text
+    assert 'Traceback' not in monitor.text
+
+
+def test_without_a_driver():
+    """It says so, and the exit status is not 0."""
+    with running('bahrs', 'monitor', '--duration', '1', '--namespace', 'nobody') as monitor:
+        assert monitor.wait(20) == 1
+        assert 'is driver_node running' in monitor.text
