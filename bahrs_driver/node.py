@@ -33,6 +33,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
 from rclpy.time import Time
 from rclpy.utilities import remove_ros_args
 from sensor_msgs.msg import TimeReference
@@ -71,7 +72,7 @@ class DriverNode(Node):
     def leave_device(self) -> None:
         """Have the device told to leave diagnostics mode, if it is in it for us."""
         if self._sensor.nvm:
-            self._sensor.nvm.cancel('the driver is ending')
+            self._sensor.nvm.end('the driver is ending')
 
     def link_opened(self) -> None:
         """Note that another stream begins."""
@@ -188,21 +189,26 @@ def _run(ended: Event) -> None:
     """
     Receive and spin, each in its thread, until ended or until one of them fails.
 
-    The main thread waits for the signal, so that the port is let go while ROS is still whole.
+    The main thread waits for the signal. The executor's own shutdown() does not wait for
+    callbacks, and from another thread takes away what spin() still uses: spinning ends by a
+    future, and the port is let go while ROS is still whole.
     """
     node = DriverNode()
     executor = MultiThreadedExecutor(SERVICE_THREADS)
     executor.add_node(node)
+    stopped = Future()
     with ThreadPoolExecutor(max_workers=2) as pool:
-        threads = [pool.submit(node.receiver.run), pool.submit(executor.spin)]
+        threads = [pool.submit(node.receiver.run),
+                   pool.submit(executor.spin_until_future_complete, stopped)]
         for thread in threads:
             thread.add_done_callback(lambda _: ended.set())
         ended.wait()
         node.leave_device()
-        executor.shutdown()
         node.receiver.stop()
+        stopped.set_result(None)
         for thread in threads:
             thread.result()
+    executor.shutdown()
     node.destroy_node()
 
 

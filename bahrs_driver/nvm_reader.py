@@ -16,6 +16,8 @@ from bahrs_driver.link import Link, LinkError
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.nvm import NvmSession, PAGES, ServiceFrames, State
 
+LEAVE_TIME = 10.0       # s, far more than a session takes to leave
+
 
 class NvmError(Exception):
     """The pages could not be read. The text says why, and what to do."""
@@ -67,6 +69,7 @@ class NvmReader:
         finally:
             with self._changed:
                 self._session = None
+                self._changed.notify_all()
         if session.error:
             raise NvmError(session.error)
         return session.pages
@@ -78,7 +81,7 @@ class NvmReader:
         with self._changed:
             if self._session is not None:
                 self._session.receive(message, frame.checksum, time.monotonic())
-                self._changed.notify()
+                self._changed.notify_all()
 
     def cancel(self, reason: str = 'cancelled') -> bool:
         """End the session, after the device was told to leave; False if there is none."""
@@ -86,15 +89,21 @@ class NvmReader:
             if self._session is None:
                 return False
             self._session.cancel(reason, time.monotonic())
-            self._changed.notify()
+            self._changed.notify_all()
             return True
+
+    def end(self, reason: str) -> None:
+        """Cancel, and return once the device was told to leave: the port may be closed then."""
+        self.cancel(reason)
+        with self._changed:
+            self._changed.wait_for(lambda: self._session is None, LEAVE_TIME)
 
     def lost(self, reason: str) -> None:
         """Take note that the link is gone; the device leaves diagnostics mode by itself."""
         with self._changed:
             if self._session is not None:
                 self._session.abandon(reason)
-                self._changed.notify()
+                self._changed.notify_all()
 
     def _carry_out(self, session: NvmSession, tell: Callable[[NvmSession], None]) -> None:
         try:

@@ -9,10 +9,14 @@ runs, and quoted as a multiple of the floor, which is measured in the same run.
 """
 
 from collections.abc import Callable
+import contextlib
+import io
+import os
 import struct
 import time
 import zlib
 
+from bahrs_driver.cli.main import main as emulator
 from bahrs_driver.link import Link
 from bahrs_driver.parameters import PARAMETERS
 from bahrs_driver.protocol.bahrs import Accuracy, Inertial, InertialTime, Navigation
@@ -86,6 +90,10 @@ def main() -> None:
             for _ in sensor.converter.convert(message, index):
                 pass
 
+    def emulate() -> None:
+        with contextlib.redirect_stderr(io.StringIO()):
+            emulator(['emulate', '--output', os.devnull, '--duration', str(SECONDS)])
+
     count = len(pieces)
     base = best(floor, count)
     rows = [
@@ -94,6 +102,7 @@ def main() -> None:
         ('framing, byte by byte', best(lambda: framing(1), count)),
         ('decoding', best(lambda: [codec.decode(frame) for frame in found], count)),
         ('converting to ROS messages', best(convert, count)),
+        ('emulating the device', best(emulate, count)),
     ]
     rate = count / SECONDS
     print(f'{count:,} frames; a device sends {rate:.0f} a second')

@@ -37,6 +37,9 @@ class Device(threading.Thread):
 
     def run(self):
         """Send until stopped, at the rates and in the order of the real device."""
+        # What is sent to a port that nobody has open would wait there, and come late.
+        while not self._port.is_open and not self._ended.wait(0.005):
+            pass
         codec, index, start = BahrsCodec(), 0, time.monotonic()
         while not self._ended.wait(max(0.0, start + 0.005 * index - time.monotonic())):
             for message in self._messages(index):

@@ -21,7 +21,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 BIN = Path(sys.executable).parent
 MODULES = {'bahrs': 'bahrs_driver.cli.main', 'driver_node': 'bahrs_driver.node'}
-END_TIMEOUT = 10.0
+# Long enough for a machine that does much else: only what fails ever waits so long.
+PATIENCE = 60.0                 # s
 
 
 def command(name: str, *words: str) -> list[str]:
@@ -39,7 +40,7 @@ class Process:
     def __init__(self, command: list[str]) -> None:
         """Start it."""
         self._child = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
             text=True, bufsize=1)
         self.lines: list[str] = []
         self._reader = threading.Thread(target=self._read, daemon=True)
@@ -52,6 +53,11 @@ class Process:
     def text(self) -> str:
         """All that it has printed so far."""
         return ''.join(self.lines)
+
+    def tell(self, line: str) -> None:
+        """Give it a line on its standard input."""
+        self._child.stdin.write(f'{line}\n')
+        self._child.stdin.flush()
 
     @property
     def alive(self) -> bool:
@@ -69,11 +75,12 @@ class Process:
             self.wait()
             raise
 
-    def wait(self, timeout: float = END_TIMEOUT) -> int:
+    def wait(self, timeout: float = PATIENCE) -> int:
         """Wait until it ends by itself and return its exit status."""
         status = self._child.wait(timeout)
         self._reader.join(timeout)
         self._child.stdout.close()
+        self._child.stdin.close()
         return status
 
 
@@ -118,7 +125,7 @@ class Ear:
         with contextlib.suppress(ExternalShutdownException):
             self._executor.spin()
 
-    def wait(self, topic: str, count: int = 1, timeout: float = 15.0) -> list[Any]:
+    def wait(self, topic: str, count: int = 1, timeout: float = PATIENCE) -> list[Any]:
         """Wait until a topic has brought so many messages, and return all of them."""
         assert wait_for(lambda: len(self.heard[topic]) >= count, timeout), (
             f'{len(self.heard[topic])} of {count} messages on {topic} in {timeout} s')
@@ -142,7 +149,7 @@ def listening(topics: dict[str, type]) -> Iterator[Ear]:
         ear.close()
 
 
-def wait_for(condition: Callable[[], object], timeout: float = 15.0) -> bool:
+def wait_for(condition: Callable[[], object], timeout: float = PATIENCE) -> bool:
     """Wait until a condition holds; False if it did not in time (seconds)."""
     end = time.monotonic() + timeout
     while not condition():

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.emulator.bahrs_device import BahrsDevice, BahrsHabits, START_UPS
-from bahrs_driver.emulator.bahrs_diagnostics import ServiceHabits
+from bahrs_driver.emulator.bahrs_diagnostics import INACTIVITY, ServiceHabits
 from bahrs_driver.emulator.cable import adapter_mode, Cable
 from bahrs_driver.emulator.control import COMMANDS, ControlError
 from bahrs_driver.emulator.device_clock import DeviceClock
@@ -123,6 +123,9 @@ def _add_service(parser: argparse.ArgumentParser) -> None:
                             'power-on, as known firmware does (default: %(default)s)')
     group.add_argument('--nvm-error-pages', type=_checked(_pages), default=frozenset(),
                        metavar='PAGE[,PAGE...]', help='pages that cannot be read (default: none)')
+    group.add_argument('--nvm-timeout', type=_number('a time-out'), default=INACTIVITY,
+                       metavar='SECONDS', help='after how long without a request the device '
+                       'leaves by itself (default: %(default)g)')
     group.add_argument('--service-crc', choices=('crc32', 'mpeg2'), default='crc32',
                        help="CRC of service frames: CRC-32, as the maker's tool has it, or "
                             'CRC-32/MPEG-2, as the document says (default: %(default)s)')
@@ -212,7 +215,8 @@ def _emulation(options: argparse.Namespace, zero: HostTime) -> Emulation:
 def _service(options: argparse.Namespace) -> ServiceHabits:
     return ServiceHabits(
         'crc32' if options.service_crc == 'crc32' else 'byte', options.service_padding == 'yes',
-        options.nvm_window, options.nvm_error_pages, options.nvm or made_up_image())
+        options.nvm_window, options.nvm_error_pages, options.nvm or made_up_image(),
+        options.nvm_timeout)
 
 
 def _scenario(name: str | None) -> list[TimedCommand]:

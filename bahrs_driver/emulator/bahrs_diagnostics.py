@@ -7,7 +7,7 @@ The diagnostics mode of a BAHRS, in which it answers instead of streaming. No I/
     0xF2 read page     -> 0xF3 the page, or 0xFF with status 0xFF
     0xF1 exit          -> 0xFF acknowledgement of 0xF1, and the stream goes on
 
-A device that hears no request for five seconds leaves the mode by itself. One that is in no
+A device that hears no request for its time-out leaves the mode by itself. One that is in no
 diagnostics mode takes no notice of 0xF1 and 0xF2, and none ever of a frame that is of another
 variant than its own.
 """
@@ -29,7 +29,7 @@ from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat, frame_si
 from bahrs_driver.protocol.framing import Frame, Framer
 from bahrs_driver.protocol.nvm import PAGES
 
-INACTIVITY = 5.0                # s without a request
+INACTIVITY = 5.0                # s without a request, as the document has it
 POWER_ON_WINDOW = 0.5           # s
 OK, FAILED = 0x00, 0xFF
 
@@ -46,6 +46,7 @@ class ServiceHabits:
     window: Literal['always', 'power-on'] = 'always'
     error_pages: frozenset[int] = frozenset()
     image: bytes = field(default_factory=made_up_image)
+    timeout: float = INACTIVITY
 
 
 class DiagnosticsMode:
@@ -65,7 +66,7 @@ class DiagnosticsMode:
 
     def active(self, time: float) -> bool:
         """Whether the device is in diagnostics mode."""
-        return time < self._heard + INACTIVITY
+        return time < self._heard + self._habits.timeout
 
     def receive(self, data: bytes, time: float) -> list[BahrsMessage]:
         """Take what the host sent, and return the answers."""

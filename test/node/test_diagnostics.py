@@ -15,7 +15,7 @@ from bahrs_driver.protocol.bahrs_frames import BahrsCodec
 from devices import Device, DIAGNOSTICS, SAFE, says, status
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_msgs.srv import SelfTest
-from processes import driver, listening, running, wait_for
+from processes import driver, listening, PATIENCE, running, wait_for
 import pytest
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
@@ -100,7 +100,7 @@ def test_lost_frames_are_counted_right(tmp_path):
             '--fault', 'drop_frame=0.01', '--truth', str(truth)) as emulator:
         assert wait_for(lambda: emulator.lines)
         with driver(port):
-            assert emulator.wait(20) == 0
+            assert emulator.wait() == 0
             lost, received = losses(truth)
             assert wait_for(lambda: values(ear, 'Rates')['inertial received']
                             == str(received['inertial']))
@@ -152,7 +152,7 @@ def test_self_test(cable):
     """It fails on a silent device, and passes on a healthy one."""
     with listening(DIAGNOSTICS) as ear, driver(cable.path):
         client = ear.node.create_client(SelfTest, '/bahrs_driver/self_test')
-        assert client.wait_for_service(10)
+        assert client.wait_for_service(PATIENCE)
 
         def ask():
             future = client.call_async(SelfTest.Request())

@@ -10,7 +10,7 @@ from bahrs_driver.emulator.pty_port import PtyPort
 from bahrs_driver.protocol.bahrs import ANGLE, HEIGHT, Inertial
 from devices import Device, DIAGNOSTICS, says, status
 from diagnostic_msgs.msg import DiagnosticStatus
-from processes import driver, listening, running, wait_for
+from processes import driver, listening, PATIENCE, running, wait_for
 import pytest
 from shared_files import shared_file
 
@@ -50,7 +50,7 @@ def test_signal_ends_it_cleanly(cable):
     for number in (signal.SIGINT, signal.SIGTERM):
         with listening(TOPICS) as ear, driver(cable.path) as node, Device(cable):
             ear.wait('imu/data')
-            assert node.end(number) == 0
+            assert node.end(number) == 0, node.text
             assert len(node.lines) == 1 and f'{cable.path} is open' in node.text
 
 
@@ -158,7 +158,7 @@ def test_real_recording_at_real_pace(tmp_path):
             'bahrs', 'replay', str(part), '--link', link, '--settle', '3') as player:
         assert wait_for(lambda: player.lines)
         with driver(link):
-            assert player.wait(seconds + 20) == 0
+            assert player.wait(seconds + PATIENCE) == 0
             ear.wait('imu/data_raw', 200 * seconds)
             ear.wait('imu/data', 100 * seconds)
     raw, imu = ear.heard['imu/data_raw'], ear.heard['imu/data']
