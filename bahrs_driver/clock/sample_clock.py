@@ -34,6 +34,7 @@ from bahrs_driver.protocol.framing import Frame
 
 MOST_HELD = 60          # inertial samples
 LONGEST_AGO = 10 * NANOSECONDS      # that a message may tell of
+SETTLING = 2 * NANOSECONDS          # after which an epoch is the rule, and its end worth a word
 CHUNKS = 99             # reads whose size is remembered
 
 
@@ -65,7 +66,7 @@ class SampleClock:
         self._waiting: list[_Waiting] = []
         self._stamped: list[Stamped] = []
         self._patient = True            # whether samples may still be held
-        self._epochs = self._arrivals = 0
+        self._epochs = self._arrivals = self._epoch_began = 0
         self._notices: list[str] = []
         self._chunks: deque[int] = deque(maxlen=CHUNKS)
         self._handlers: dict[type, Callable[[Any, Frame, int], _Waiting | None]] = {
@@ -180,10 +181,12 @@ class SampleClock:
 
     def _begin_epoch(self) -> None:
         self._epochs += 1
+        began, self._epoch_began = self._epoch_began, self._now.raw_ns
         self._tracker.restart()
         self._pulses.restart()
         self._output.restart()
-        if self._epochs > 1:
+        # What comes first may have waited in the system while nobody read, and prove nothing.
+        if self._epochs > 1 and self._epoch_began - began > SETTLING:
             self._notices.append("the device's clock was set anew: was it restarted?")
 
     def _feed_waiting(self) -> None:
