@@ -10,6 +10,7 @@ from threading import Event
 import time
 from typing import Any
 
+from bahrs_driver.convert import raw
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.link_task import LinkTask
 from bahrs_driver.diagnostics.monitor import Monitor
@@ -17,10 +18,11 @@ from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.self_test import answer
 from bahrs_driver.diagnostics.task import Task
 from bahrs_driver.diagnostics.time_task import TimeTask
-from bahrs_driver.link import Link
+from bahrs_driver.link import Link, Reading
 from bahrs_driver.nvm_services import NvmServices
 from bahrs_driver.parameters import declare, ParameterError, unknown_names
 from bahrs_driver.receiver import Received, Receiver
+from bahrs_driver.recording.origin import Origin
 from bahrs_driver.sensors import ROS_CLOCK, SENSORS
 from diagnostic_msgs.msg import DiagnosticArray
 from diagnostic_msgs.srv import SelfTest
@@ -37,6 +39,7 @@ from rclpy.task import Future
 from rclpy.time import Time
 from rclpy.utilities import remove_ros_args
 from sensor_msgs.msg import TimeReference
+from std_msgs.msg import UInt8MultiArray
 
 QUEUE_DEPTH = 100               # half a second of the fastest topic
 DIAGNOSTICS_PERIOD = 1.0        # s
@@ -61,6 +64,10 @@ class DriverNode(Node):
         self._monitor = self._make_monitor(settings)
         self._data = {topic: self._publisher(message_type, topic, topic in sensor.latched)
                       for topic, message_type in sensor.topics.items()}
+        self._sensor_name, self._byte_ns = settings['sensor'], 0
+        self._raw = None
+        if settings['publish.raw']:
+            self._raw = self._publisher(UInt8MultiArray, raw.TOPIC)
         self._diagnostics = self._publisher(DiagnosticArray, '/diagnostics')
         self._listen_for_pulses(settings['time.sync_pulse.reference'])
         self.create_timer(DIAGNOSTICS_PERIOD, self._report)
@@ -76,6 +83,7 @@ class DriverNode(Node):
 
     def link_opened(self) -> None:
         """Note that another stream begins."""
+        self._byte_ns = self._link.byte_time_ns
         self.get_logger().info(f'{self._link.port} is open')
         self._sensor.health.opened()
         self._report()
@@ -87,6 +95,13 @@ class DriverNode(Node):
         if self._sensor.nvm:
             self._sensor.nvm.lost(reason)
         self._report()
+
+    def bytes_read(self, reading: Reading) -> None:
+        """Publish the bytes of a read, if they are wanted."""
+        if self._raw:
+            origin = Origin(self._sensor_name, self.receiver.counters.times_opened,
+                            self._byte_ns, reading.now.ros_ns, reading.now.raw_ns)
+            self._raw.publish(raw.message(reading.data, origin.label()))
 
     def received(self, batch: list[Received]) -> None:
         """Publish what the messages of one read become."""

@@ -114,6 +114,9 @@ PARAMETERS = (
               'a horizontal field.', 'degree', low=-90.0, high=90.0),
     Parameter('publish.derived_magnetic_field', True,
               'Whether to publish imu/mag for a device that reports a heading but no field.'),
+    Parameter('publish.raw', False,
+              'Whether to publish raw, the bytes of each read as they came. A bag that holds it '
+              'holds everything, and can be converted anew.'),
     Parameter('integrity.risk_policy', 'inflate',
               'What becomes of a signal at integrity risk: inflate publishes it with a larger '
               'variance, withhold treats it as unavailable, pass publishes it as it is.',

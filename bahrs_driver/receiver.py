@@ -13,7 +13,7 @@ import time
 from typing import Any, Protocol
 
 from bahrs_driver.clock import Clock, Stamped
-from bahrs_driver.link import Link, LinkError
+from bahrs_driver.link import Link, LinkError, Reading
 from bahrs_driver.protocol.framing import Frame, Framer
 
 FIRST_PAUSE = 0.1       # s, before the port is tried again
@@ -39,6 +39,9 @@ class Listener(Protocol):
 
     def link_failed(self, reason: str) -> None:
         """Take note why the port cannot be opened, or was lost; told once for every reason."""
+
+    def bytes_read(self, reading: Reading) -> None:
+        """Take the bytes of a read as they came, before anything is made of them."""
 
     def received(self, batch: list[Received]) -> None:
         """Take the messages whose time is known since the last read."""
@@ -111,6 +114,7 @@ class Receiver:
             reading = self._link.read()
             if reading is None:
                 continue
+            self._listener.bytes_read(reading)
             self.counters.reads += 1
             self.counters.bytes_received += len(reading.data)
             self.counters.last_bytes = (self.counters.last_bytes + reading.data)[-SAMPLE_SIZE:]

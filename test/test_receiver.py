@@ -69,6 +69,7 @@ class Diary:
     def __init__(self):
         """Begin with nothing."""
         self.entries = []
+        self.readings = []
 
     def link_opened(self):
         """Note it."""
@@ -81,6 +82,10 @@ class Diary:
     def time_changed(self, sentence):
         """Note it."""
         self.entries.append(sentence)
+
+    def bytes_read(self, reading):
+        """Keep it."""
+        self.readings.append(reading)
 
     def received(self, batch):
         """Note the sequence numbers, and keep all of it."""
@@ -121,6 +126,14 @@ def test_frames_of_one_read_come_together(play):
     """Decoded, in order."""
     diary, _ = play([FRAMES[0] + FRAMES[1], b'', FRAMES[2]])
     assert diary.entries[:3] == ['opened', [0, 1], [2]]
+
+
+def test_bytes_are_handed_out_as_they_were_read(play):
+    """Each read for itself, frames or not, with its moment."""
+    pieces = [FRAMES[0][:5], b'', FRAMES[0][5:] + b'noise']
+    diary, _ = play(pieces)
+    assert [reading.data for reading in diary.readings] == [pieces[0], pieces[2]]
+    assert diary.readings[0].now == Instant(3_000_000, 10_000_000)
 
 
 def test_stamps_count_back_from_the_end_of_the_read(play):

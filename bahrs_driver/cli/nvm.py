@@ -15,7 +15,7 @@ from typing import Any
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.files import binary_input
 from bahrs_driver.clock import ArrivalStamps
-from bahrs_driver.link import Link
+from bahrs_driver.link import Link, Reading
 from bahrs_driver.nvm_reader import NvmError, NvmReader
 from bahrs_driver.protocol.bahrs import Inertial
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
@@ -150,6 +150,9 @@ class Device:
 
     def time_changed(self, sentence: str) -> None:
         """Do nothing: time does not matter here."""
+
+    def bytes_read(self, reading: Reading) -> None:
+        """Do nothing: what they mean is all that matters here."""
 
     def received(self, batch: list[Received]) -> None:
         """Hand over what the device says."""

@@ -27,9 +27,11 @@ MAY_IMPORT = {
     'sensors': {'clock', 'convert', 'diagnostics', 'nvm_reader', 'receiver', 'link',
                 'protocol'},
     'diagnostics': {'clock', 'diagnostics', 'receiver', 'link', 'protocol'},
-    'node': {'parameters', 'sensors', 'diagnostics', 'nvm_services', 'receiver', 'link'},
-    'cli': {'cli', 'convert', 'emulator', 'nvm_reader', 'whole_file', 'receiver', 'link', 'clock',
-            'protocol'},
+    'recording': {'recording'},
+    'node': {'parameters', 'sensors', 'convert', 'recording', 'diagnostics', 'nvm_services',
+             'receiver', 'link'},
+    'cli': {'cli', 'convert', 'emulator', 'recording', 'nvm_reader', 'whole_file', 'receiver',
+            'link', 'clock', 'protocol'},
     '__init__': set(),
 }
 DEAF = {'protocol', 'clock'}

@@ -4,15 +4,23 @@
 
 import math
 import signal
+from time import time_ns
 
+from bahrs_driver.clock import byte_time_ns
 from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.convert.raw import TOPIC
 from bahrs_driver.emulator.pty_port import PtyPort
 from bahrs_driver.protocol.bahrs import ANGLE, HEIGHT, Inertial
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.recording.origin import parse_label
 from devices import Device, DIAGNOSTICS, says, status
 from diagnostic_msgs.msg import DiagnosticStatus
 from processes import driver, listening, PATIENCE, running, wait_for
 import pytest
+from sensor_msgs.msg import Imu
 from shared_files import shared_file
+from std_msgs.msg import UInt8MultiArray
 
 
 def test_all_topics_in_another_process(cable):
@@ -34,6 +42,29 @@ def test_all_topics_in_another_process(cable):
         times = [stamp.sec * 10**9 + stamp.nanosec for stamp in stamps]
         assert times == sorted(set(times))
         assert joined <= {(stamp.sec, stamp.nanosec) for stamp in stamps}
+
+
+def test_raw_has_every_byte_and_when_it_was_read(cable):
+    """In order, labelled; and only if it is asked for."""
+    topics = {TOPIC: UInt8MultiArray, 'imu/data_raw': Imu}
+    with listening(topics) as ear, driver(cable.path, publish__raw=True), Device(cable):
+        ear.wait('imu/data_raw', 50)
+        pieces = list(ear.heard[TOPIC])
+    assert all(piece.layout.dim[0].size == len(piece.data) for piece in pieces)
+    framer = Framer(BahrsFormat())
+    frames = [frame for piece in pieces for frame in framer.feed(piece.data.tobytes())]
+    numbers = [message.sequence for message in map(BahrsCodec().decode, frames)
+               if isinstance(message, Inertial)]
+    assert len(numbers) >= 45
+    assert numbers == [(numbers[0] + index) % 256 for index in range(len(numbers))]
+    assert framer.counters.skipped_bytes == frames[0].offset
+    origins = [parse_label(piece.layout.dim[0].label) for piece in pieces]
+    assert {origin[:3] for origin in origins} == {('bahrs', 1, byte_time_ns(115200))}
+    times = [(origin.raw_ns, origin.ros_ns) for origin in origins]
+    assert times == sorted(times) and times[-1][1] <= time_ns()
+    with listening(topics) as ear, driver(cable.path), Device(cable):
+        ear.wait('imu/data_raw', 20)
+        assert not ear.heard[TOPIC] and not ear.node.count_publishers(TOPIC)
 
 
 def test_ned_by_parameter(cable):

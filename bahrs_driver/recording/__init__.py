@@ -1,0 +1,8 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What a device sent, kept and read again.
+
+`origin` is what the topic `raw` says of a read, `capture` reads byte files and bags that hold
+`raw`, with `bag_input` for the bags.
+"""
