@@ -15,11 +15,14 @@ seems too early (a counter damaged on the way, a wrong time message) would bend 
 *   Samples are gathered in buckets, from 0.05 s at the start to 0.5 s. Of a bucket only the two
     lowest residuals m1 <= m2 count, taken from the line that is believed so far. If they are close
     together, the truth lies about as far below the first as that lies below the second.
-*   A Kalman filter of offset and skew takes one such measurement a bucket. Its noise is what
+*   A Kalman filter of offset and skew takes one such measurement a bucket. It has two paces: one
+    for a clock at an even temperature, whose skew is then known well enough to go on by while
+    nothing can be believed, and one for a clock that warms up. A measurement's noise is what
     the gaps m2 - m1 have shown of late: small for an adapter that is often interrupted within a
     frame, large for one that is not.
 *   What lies above the gate says that the host was late, and is rejected; unless it stays for a
-    minute, or is the same for ten buckets: then the path has changed.
+    minute, or is the same for ten buckets: then the path has changed. A wide gap of its own opens
+    no gate for it: that is what a host that is late all the time looks like.
 *   What lies below the gate says that all before was late, and is followed at once; but only if
     the second lowest says so too.
 
@@ -29,7 +32,7 @@ The first half second follows the running minimum, so that there is something to
 from collections import deque
 import math
 
-from bahrs_driver.clock.kalman import OffsetFilter
+from bahrs_driver.clock.kalman import OffsetFilter, pace
 from bahrs_driver.clock.units import MICROSECOND, MILLISECOND, NANOSECONDS
 
 FIRST_SPAN = NANOSECONDS // 2
@@ -40,10 +43,13 @@ WIDEST_GAP = MILLISECOND                # what is wider says no more
 LEAST_DEVIATION = 8 * MICROSECOND
 GATE_DEVIATIONS, GATE_MARGIN = 4, 40 * MICROSECOND
 SPREAD_WEIGHT = 0.1
+ODD_GAP = 3                             # times the usual one: wider ones count as this wide
 FIRST_DEVIATION = 200 * MICROSECOND     # of the offset after the first span
 JUMP_DEVIATION = 100 * MICROSECOND
 ALONE = 10 * MILLISECOND
 PATIENCE = 60 * NANOSECONDS
+# At an even temperature, and while it changes.
+PACES = (pace(0.03, leave=0.002), pace(0.5, leave=0.05))
 EQUAL_BUCKETS = 10
 
 
@@ -109,7 +115,7 @@ class Tracker:
 
     def _start(self, device: int, bound: int) -> None:
         self._filter = OffsetFilter(
-            device, bound - device, FIRST_DEVIATION, self._skew, self._skew_deviation)
+            device, bound - device, FIRST_DEVIATION, self._skew, self._skew_deviation, PACES)
         self._begin = self._accepted = device
         self._in_first_span = True
         self._bucket_end = device + FIRST_SPAN
@@ -146,15 +152,18 @@ class Tracker:
     def _measure(self, line: OffsetFilter, lowest: float, second: float) -> None:
         gap = min(second - lowest, WIDEST_GAP)
         line.predict(self._lowest_time)
-        variance = LEAST_DEVIATION ** 2 + 2 * self.spread ** 2 + gap ** 2
-        gate = GATE_DEVIATIONS * math.sqrt(line.variance + variance) + GATE_MARGIN
-        measured = lowest - gap if gap < CLOSE_GAP else lowest
-        if lowest < -gate:
-            self._believe_early(line, lowest, second, gate, variance)
-        elif measured > gate:
+        usual = LEAST_DEVIATION ** 2 + 2 * self.spread ** 2
+        variance = usual + gap ** 2
+        early, late = (GATE_DEVIATIONS * math.sqrt(line.variance + noise) + GATE_MARGIN
+                       for noise in (variance, usual))
+        measured = lowest - min(gap, CLOSE_GAP)
+        if lowest < -early:
+            self._believe_early(line, lowest, second, early, variance)
+        elif measured > late:
             self._reject_late(line, measured)
         else:
-            self.spread += SPREAD_WEIGHT * (gap - self.spread)
+            usual_gap = min(gap, ODD_GAP * (LEAST_DEVIATION + self.spread))
+            self.spread += SPREAD_WEIGHT * (usual_gap - self.spread)
             self._accept(line, measured, variance)
 
     def _believe_early(self, line: OffsetFilter, lowest: float, second: float, gate: float,

@@ -3,8 +3,9 @@
 """Tests of the tracker and its filter, with literal pairs of device time and bound."""
 
 import random
+from statistics import median
 
-from bahrs_driver.clock.kalman import OffsetFilter
+from bahrs_driver.clock.kalman import OffsetFilter, pace
 from bahrs_driver.clock.tracker import Tracker
 import pytest
 
@@ -119,3 +120,47 @@ def test_filter_loses_nothing_however_long_the_clocks_have_run():
     """Nanoseconds, a thousand years on."""
     line = OffsetFilter(10 ** 19, 3 * 10 ** 19 + 1, 10.0)
     assert line.offset(10 ** 19) == 3 * 10 ** 19 + 1
+
+
+STEADY, WARMING = pace(0.03, leave=0.002), pace(0.5, leave=0.05)
+
+
+def paced(paces):
+    """
+    Return how wrong a filter was: in ppm with a steady clock, then in us with a warming one.
+
+    It is told the offset every half second, 25 us off.
+    """
+    source, line = random.Random(5), OffsetFilter(0, 0, 200_000.0, paces=paces)
+    truth, skew, skew_errors, offset_errors = 0.0, 0.0, [], []
+    step = 500_000_000
+    for index in range(1, 1601):
+        time = index * step
+        if index > 1200:
+            skew += 0.05e-6
+        truth += skew * step
+        line.predict(time)
+        line.correct(truth + source.gauss(0.0, 25_000) - line.offset(time), 25_000.0 ** 2)
+        if 200 < index <= 1200:
+            skew_errors.append(abs(line.skew - skew) * 1e6)
+        elif index > 1400:
+            offset_errors.append(abs(line.offset(time) - truth) / 1000)
+    return median(skew_errors), median(offset_errors)
+
+
+def test_two_paces_are_as_good_as_the_better_one():
+    """With a steady clock a long memory is, while it warms up a short one."""
+    steady, warming, both = paced((STEADY,)), paced((WARMING,)), paced((STEADY, WARMING))
+    assert steady[0] < warming[0] / 3 and warming[1] < steady[1] / 3
+    assert both[0] < 2 * steady[0] and both[1] < 1.2 * warming[1]
+
+
+def test_one_odd_gap_opens_no_gate():
+    """A host that is late from now on is not believed, however far apart its samples are."""
+    source = random.Random(4)
+    tracker = fed([source.expovariate(1 / 20) for _ in range(60 * SECOND)])
+    spread = tracker.spread
+    fed([2000 + source.expovariate(1 / 90_000) for _ in range(40 * SECOND)], 0.0, tracker,
+        60 * SECOND)
+    assert abs(error(tracker, 100 * SECOND)) < 30
+    assert tracker.spread < 2 * spread + 1000
