@@ -17,6 +17,7 @@ VERBS = {
     'emulate': 'be a sensor, on a serial port or into a file',
     'monitor': 'show the topics of the driver, live',
     'nvm': 'read the non-volatile memory of a device, or show an image of it',
+    'record': 'record the topics of the driver into a bag',
     'replay': 'play a recorded stream of bytes on a serial port',
 }
 

@@ -27,7 +27,7 @@ MAY_IMPORT = {
     'sensors': {'clock', 'convert', 'diagnostics', 'nvm_reader', 'receiver', 'link',
                 'protocol'},
     'diagnostics': {'clock', 'diagnostics', 'receiver', 'link', 'protocol'},
-    'recording': {'recording'},
+    'recording': {'recording', 'whole_file'},
     'node': {'parameters', 'sensors', 'convert', 'recording', 'diagnostics', 'nvm_services',
              'receiver', 'link'},
     'cli': {'cli', 'convert', 'emulator', 'recording', 'nvm_reader', 'whole_file', 'receiver',

@@ -1,0 +1,182 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""`bahrs record`: the driver's topics into a bag."""
+
+import argparse
+from collections.abc import Iterator
+import contextlib
+import json
+import math
+import signal
+import sys
+import threading
+import time
+
+from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.recording.bag_output import BagWriter
+from bahrs_driver.recording.errors import CaptureError
+from bahrs_driver.recording.recorder import NANOSECONDS, RAW, Recorder
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+from rich.console import Console
+
+WRITE_PERIOD = 0.25             # s; with HOLD the most that a kill costs
+HOLD = 0.1                      # s in which a message may be overtaken
+SYNC_PERIOD = 1.0               # s; the most that a loss of power costs, with what the disk holds
+PATIENCE = 5.0                  # s until the user is told that nothing is there to record
+MEGABYTE = 1_000_000
+
+_EXAMPLES = """examples:
+  bahrs record                              all topics of the driver, until Ctrl-C
+  bahrs record --raw-only --output flight   only the bytes: convert them later
+  bahrs record --max-size 500 --duration 3600 --json
+  ros2 bag play flight
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the verb and its options."""
+    parser.description = (
+        'Record all topics of the driver into a rosbag2 directory (MCAP), those that appear\n'
+        'later, too. Whatever ends it, all but the last second can be read.')
+    parser.epilog = _EXAMPLES
+    parser.add_argument('-o', '--output', metavar='DIRECTORY',
+                        help='bag to make (default: bahrs_ and the time)')
+    parser.add_argument('--raw-only', action='store_true',
+                        help='only the topic raw, which the driver publishes with '
+                             'publish.raw:=true; "bahrs convert" makes the others of it')
+    parser.add_argument('--max-size', type=_positive, default=math.inf, metavar='MB',
+                        help='begin another file at this size (default: never)')
+    parser.add_argument('--max-duration', type=_positive, default=math.inf, metavar='SECONDS',
+                        help='begin another file after this time (default: never)')
+    parser.add_argument('--duration', type=_positive, default=math.inf, metavar='SECONDS',
+                        help='end after this time (default: at Ctrl-C)')
+    parser.add_argument('--node', default='bahrs_driver', metavar='NAME',
+                        help='name of the driver (default: %(default)s)')
+    parser.add_argument('--namespace', default='', metavar='NAME',
+                        help='namespace of the driver and its topics (default: none)')
+    parser.add_argument('--json', action='store_true',
+                        help='print what was recorded as a JSON object at the end')
+
+
+def run(options: argparse.Namespace) -> int:
+    """Record until the time is up or a signal ends it; 1 if there was nothing, or no room."""
+    folder = options.output or time.strftime('bahrs_%Y_%m_%d-%H_%M_%S')
+    failure = ''
+    with _ending() as ended, _ros():
+        try:
+            bag = BagWriter(folder)
+        except CaptureError as error:
+            raise CommandError(str(error)) from error
+        recorder = Recorder(options.node, options.namespace, options.raw_only)
+        recorder.start()
+        try:
+            with contextlib.closing(bag):
+                _record(options, recorder, bag, ended)
+        except CaptureError as error:
+            failure = str(error)
+    _report(options, recorder, bag, failure)
+    if failure:
+        raise CommandError(f'recording was stopped: {failure}')
+    if not bag.count:
+        raise CommandError(f'{folder} is empty: {_nothing(options, recorder)}')
+    return 0
+
+
+def _record(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
+            ended: threading.Event) -> None:
+    """Write what comes, until ended."""
+    begin = file_begin = synced = time.monotonic()
+    end, told = begin + options.duration, ''
+    console = Console(stderr=True)
+    try:
+        with console.status(f'recording into {bag.folder}') as status:
+            while not ended.wait(min(WRITE_PERIOD, max(0.0, end - time.monotonic()))):
+                now = time.monotonic()
+                _write(recorder, bag, time.time_ns() - round(HOLD * NANOSECONDS))
+                if now >= synced + SYNC_PERIOD:
+                    bag.sync()
+                    synced = now
+                if bag.size >= options.max_size * MEGABYTE or \
+                        now - file_begin >= options.max_duration:
+                    bag.split()
+                    file_begin = now
+                status.update(f'recording into {bag.folder}: {bag.count:,} messages of '
+                              f'{len(bag.counts())} topics, {now - begin:.0f} s')
+                if not bag.count and now - begin > PATIENCE:
+                    reason = _nothing(options, recorder)
+                    if reason != told:
+                        console.print(f'bahrs record: {reason}', soft_wrap=True)
+                        told = reason
+                if now >= end:
+                    break
+    finally:
+        recorder.stop()
+    _write(recorder, bag, None)
+
+
+def _write(recorder: Recorder, bag: BagWriter, until: int | None) -> None:
+    topics = recorder.new_topics()
+    if topics:
+        bag.add_topics(topics)
+    for log_time, topic, data, publish_time in recorder.drain(until):
+        bag.write(topic, log_time, data, publish_time)
+    bag.flush()
+
+
+def _nothing(options: argparse.Namespace, recorder: Recorder) -> str:
+    """Return why nothing comes."""
+    if not recorder.node_seen:
+        place = f' in namespace {options.namespace}' if options.namespace else ''
+        return f'there is no node {options.node}{place}: start the driver, or say --node'
+    if options.raw_only:
+        return (f'the driver does not publish {RAW}: start it with '
+                '--ros-args -p publish.raw:=true')
+    return 'the driver publishes nothing'
+
+
+def _report(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
+            failure: str) -> None:
+    counts = bag.counts()
+    if options.json:
+        print(json.dumps({
+            'bag': str(bag.folder), 'files': bag.files(), 'messages': bag.count,
+            'topics': counts, 'lost': recorder.lost, 'error': failure or None}))
+        return
+    for topic, count in sorted(counts.items()):
+        print(f'{topic:<32}{count:>12,}')
+    if recorder.lost:
+        print(f'bahrs record: {recorder.lost} messages were published and did not come: the '
+              'machine is too busy', file=sys.stderr)
+    if counts and not any(topic.endswith(f'/{RAW}') for topic in counts):
+        print(f'without {RAW} it cannot be converted anew: start the driver with '
+              '-p publish.raw:=true for that', file=sys.stderr)
+
+
+@contextlib.contextmanager
+def _ending() -> Iterator[threading.Event]:
+    """Let signals set an event, so that they interrupt no write."""
+    ended = threading.Event()
+    kinds = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = {kind: signal.signal(kind, lambda *_: ended.set()) for kind in kinds}
+    try:
+        yield ended
+    finally:
+        for kind, handler in before.items():
+            signal.signal(kind, handler)
+
+
+@contextlib.contextmanager
+def _ros() -> Iterator[None]:
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        yield
+    finally:
+        rclpy.try_shutdown()
+
+
+def _positive(text: str) -> float:
+    value = float(text)
+    if not value > 0:
+        raise argparse.ArgumentTypeError(f'{text} is not more than 0')
+    return value

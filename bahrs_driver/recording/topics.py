@@ -1,0 +1,44 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a bag says of a topic: its type, the definition of the type, and the quality of service."""
+
+from functools import cache
+from typing import Any, NamedTuple
+
+from rosbags.typesys import get_typestore, Stores
+from rosbags.typesys.store import Typestore
+
+Qos = dict[str, Any]
+_FOREVER = {'sec': 9223372036, 'nsec': 854775807}
+
+
+class Topic(NamedTuple):
+    """A topic: its full name, its type such as std_msgs/msg/Float64, the profiles offered."""
+
+    name: str
+    type_name: str
+    qos: tuple[Qos, ...]
+
+
+def profile(history: str, depth: int, reliability: str, durability: str,
+            liveliness: str = 'automatic', deadline: Qos = _FOREVER, lifespan: Qos = _FOREVER,
+            lease: Qos = _FOREVER) -> Qos:
+    """Return a quality of service as rosbag2 writes it, in names; times are sec and nsec."""
+    return {'history': history, 'depth': depth, 'reliability': reliability,
+            'durability': durability, 'deadline': dict(deadline), 'lifespan': dict(lifespan),
+            'liveliness': liveliness, 'liveliness_lease_duration': dict(lease),
+            'avoid_ros_namespace_conventions': False}
+
+
+def definition(type_name: str) -> tuple[str, str]:
+    """Return the text that defines a type, and its hash; empty if the type is none of ROS's."""
+    types = typestore()
+    if type_name not in types.types:
+        return '', ''
+    return types.generate_msgdef(type_name, ros_version=2)[0], types.hash_rihs01(type_name)
+
+
+@cache
+def typestore() -> Typestore:
+    """Return the message types of ROS 2 Jazzy."""
+    return get_typestore(Stores.ROS2_JAZZY)

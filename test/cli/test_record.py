@@ -1,0 +1,133 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of `bahrs record`, as a process beside a driver: what ends it, and what is left then."""
+
+from collections import Counter
+import json
+import resource
+import signal
+
+from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.emulator.pty_port import PtyPort
+from bahrs_driver.protocol.bahrs_frames import BahrsFormat
+from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.recording.capture import read_capture
+from devices import Device
+from mcap.reader import make_reader
+from processes import driver, running, wait_for
+import pytest
+from rosbags.rosbag2 import Reader
+
+LONG = 60.0
+
+
+@pytest.fixture
+def flying():
+    """Let a driver run that publishes all, also the raw bytes."""
+    with PtyPort() as port, driver(port.path, publish__raw=True) as node, Device(port):
+        assert wait_for(lambda: 'is open' in node.text, LONG)
+        yield
+
+
+def size(folder):
+    """Return how many bytes of a bag are on the disk."""
+    return sum(file.stat().st_size for file in folder.glob('*.mcap'))
+
+
+def counted(folder):
+    """Return the messages by topic, as rosbags and the MCAP library alike read them."""
+    with Reader(folder) as reader:
+        found = Counter(connection.topic for connection, _, _ in reader.messages())
+    by_mcap = Counter()
+    for file in folder.glob('*.mcap'):
+        with file.open('rb') as stream:
+            by_mcap.update(channel.topic for _, channel, _ in make_reader(stream).iter_messages())
+    assert found == by_mcap
+    return found
+
+
+def unbroken(folder):
+    """Return how many bytes of raw there are, none of which is missing in the middle."""
+    framer, chunks = Framer(BahrsFormat()), read_capture(folder).chunks()
+    frames = [frame for chunk in chunks for frame in framer.feed(chunk.data)]
+    assert framer.counters.skipped_bytes == frames[0].offset
+    return framer.received
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it(flying, tmp_path, number):
+    """Everything the node publishes is in the bag, which says so itself."""
+    bag = tmp_path / 'bag'
+    with running('bahrs', 'record', '-o', str(bag), '--json') as recorder:
+        assert wait_for(lambda: size(bag) > 60_000, LONG)
+        assert recorder.end(number) == 0
+    told = json.loads(recorder.lines[-1])
+    found = counted(bag)
+    assert told['topics'] == {topic: found[topic] for topic in told['topics']}
+    assert told['messages'] == sum(found.values())
+    assert {f'/{topic}' for topic in TOPICS} | {'/raw', '/diagnostics'} <= set(found)
+    assert unbroken(bag) > 5000
+
+
+def test_killed(flying, tmp_path):
+    """What was written is a bag that everybody reads."""
+    bag = tmp_path / 'bag'
+    with running('bahrs', 'record', '-o', str(bag), '--max-size', '0.05') as recorder:
+        assert wait_for(lambda: (bag / 'bag_1.mcap').exists() and size(bag) > 80_000, LONG)
+        assert recorder.end(signal.SIGKILL) == -signal.SIGKILL
+    found = counted(bag)
+    assert found['/imu/data_raw'] > 100 and found['/integrity']
+    assert unbroken(bag) > 5000
+
+
+def test_raw_only(flying, tmp_path):
+    """Nothing else is in the bag; it ends by itself."""
+    with running('bahrs', 'record', '-o', str(tmp_path / 'bag'), '--raw-only',
+                 '--duration', '3') as recorder:
+        assert recorder.wait(LONG) == 0
+    assert set(counted(tmp_path / 'bag')) == {'/raw'}
+    assert unbroken(tmp_path / 'bag') > 5000
+
+
+def test_no_room(flying, tmp_path):
+    """It says so and ends, and the bag has all that there was room for."""
+    bag, before = tmp_path / 'bag', resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, before[1]))
+    try:
+        with running('bahrs', 'record', '-o', str(bag)) as recorder:
+            assert recorder.wait(LONG) == 1
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert 'recording was stopped: cannot write' in recorder.text
+    assert 'Traceback' not in recorder.text
+    assert counted(bag)['/imu/data_raw'] > 20
+
+
+@pytest.mark.parametrize('words, sentence', [
+    ([], 'there is no node bahrs_driver: start the driver, or say --node'),
+    (['--node', 'x', '--namespace', 'uav'], 'there is no node x in namespace uav'),
+])
+def test_nothing_to_record(tmp_path, words, sentence):
+    """A sentence says what is missing."""
+    with running('bahrs', 'record', '-o', str(tmp_path / 'bag'), '--duration', '1',
+                 *words) as recorder:
+        assert recorder.wait(LONG) == 1
+    assert sentence in recorder.text and 'Traceback' not in recorder.text
+
+
+def test_a_driver_without_raw(tmp_path):
+    """A sentence says how to have it, while there is still time."""
+    with PtyPort() as port, driver(port.path), running(
+            'bahrs', 'record', '-o', str(tmp_path / 'bag'), '--raw-only') as recorder:
+        assert wait_for(lambda: 'publish.raw:=true' in recorder.text, LONG)
+        assert recorder.end() == 1
+    assert 'does not publish raw' in recorder.text and 'Traceback' not in recorder.text
+
+
+def test_bad_options(tmp_path):
+    """Each is refused with a sentence."""
+    for words, sentence in ((['--max-size', '0'], 'not more than 0'),
+                            (['-o', str(tmp_path)], 'exists already')):
+        with running('bahrs', 'record', *words) as recorder:
+            assert recorder.wait(LONG) in (1, 2)
+        assert sentence in recorder.text and 'Traceback' not in recorder.text
