@@ -63,6 +63,13 @@ class Parameter:
         if not good:
             raise ParameterError(f'parameter {self.name} is {value!r}: it must be {self.valid}')
 
+    def convert(self, value: Any) -> Any:
+        """Return a value as the node takes it; ParameterError if it is not valid."""
+        if isinstance(self.default, float) and type(value) is int:
+            value = float(value)
+        self.check(value)
+        return value
+
     def descriptor(self) -> ParameterDescriptor:
         """Return what rclpy wants to know of the parameter."""
         unit = f' [{self.unit}]' if self.unit else ''
@@ -175,6 +182,11 @@ PARAMETERS = (
 )
 
 
+def defaults() -> dict[str, Any]:
+    """Return the default of every parameter."""
+    return {parameter.name: parameter.default for parameter in PARAMETERS}
+
+
 def declare(node: Node) -> Mapping[str, Any]:
     """
     Declare all parameters on a node and return their values; ParameterError if one is bad.
@@ -202,9 +214,7 @@ def _declare_one(node: Node, parameter: Parameter) -> Any:
     if node.has_parameter(parameter.name):
         value = node.get_parameter(parameter.name).value
         node.undeclare_parameter(parameter.name)
-    if isinstance(parameter.default, float) and type(value) is int:
-        value = float(value)
-    parameter.check(value)
+    value = parameter.convert(value)
     node.declare_parameter(parameter.name, value, parameter.descriptor(), ignore_override=True)
     return value
 

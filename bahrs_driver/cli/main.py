@@ -13,6 +13,7 @@ from bahrs_driver.cli.errors import CommandError
 # Each verb is the module of its name; only the one asked for is imported, so that those that
 # need no ROS work without it.
 VERBS = {
+    'convert': 'make all topics of a recording of bytes',
     'decode': 'decode a recorded stream of bytes',
     'emulate': 'be a sensor, on a serial port or into a file',
     'monitor': 'show the topics of the driver, live',

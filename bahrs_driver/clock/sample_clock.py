@@ -52,11 +52,12 @@ class _Waiting(NamedTuple):
 class SampleClock:
     """Puts device time on ROS time."""
 
-    def __init__(self, options: ClockOptions = ClockOptions()) -> None:
-        """Work as the options say; begin() begins."""
+    def __init__(self, options: ClockOptions = ClockOptions(),
+                 tracker: Tracker | None = None) -> None:
+        """Work as the options say, with a tracker that is new; begin() begins."""
         self._options = options
         self._device = DeviceTime(options.label)
-        self._tracker = Tracker()
+        self._tracker = tracker or Tracker()
         self._host = HostClocks()
         self._output = Output(self._host, options.fixed_latency)
         self._pulses = SyncPulses(options.source == 'sync_pulse', options.pulse_period,
@@ -74,6 +75,10 @@ class SampleClock:
             InertialTime: self._inertial_time, NavigationTime: self._navigation_time,
             SyncPulseTime: self._pulse}
         self.begin(0)
+
+    def with_tracker(self, tracker: Tracker) -> 'SampleClock':
+        """Return a new clock that works as this one, by another tracker."""
+        return SampleClock(self._options, tracker)
 
     def begin(self, byte_time: int) -> None:
         """Take note that another stream begins, and of the ns that a byte takes on its line."""

@@ -32,9 +32,14 @@ class BagWriter:
     Once it has raised, it must be closed and nothing else: all up to the last flush is there.
     """
 
-    def __init__(self, folder: str | Path) -> None:
-        """Make the directory; CaptureError if it exists or cannot be made."""
+    def __init__(self, folder: str | Path, name: str = '') -> None:
+        """
+        Make the directory; CaptureError if it exists or cannot be made.
+
+        name is what its files are called by, if not by the directory.
+        """
         self.folder = Path(folder)
+        self._name = name or self.folder.resolve().name
         self._topics: dict[str, Topic] = {}
         self._files: list[Span] = []
         try:
@@ -119,7 +124,7 @@ class BagWriter:
         self.close()
 
     def _begin_file(self) -> None:
-        name = f'{self.folder.resolve().name}_{len(self._files)}.mcap'
+        name = f'{self._name}_{len(self._files)}.mcap'
         self._files.append(Span(name))
         try:
             self._stream = SealedFile(self.folder / name, _end())

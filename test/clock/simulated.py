@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from statistics import median
 
 from bahrs_driver.clock import ClockOptions, SampleClock, TimeState
+from bahrs_driver.clock.tracker import Tracker
 from bahrs_driver.protocol.bahrs import Inertial
 from clock_simulation import BYTE_TIME, Case, ORIGIN, Simulation
 
@@ -32,9 +33,10 @@ class Outcome:
         return sorted(abs(error - middle) for error in errors)[int(0.99 * len(errors))]
 
 
-def simulated(case: Case, seed: int = 1, options: ClockOptions = ClockOptions()) -> Outcome:
-    """Return what a clock makes of a case."""
-    simulation, clock = Simulation(case, seed), SampleClock(options)
+def simulated(case: Case, seed: int = 1, options: ClockOptions = ClockOptions(),
+              tracker: Tracker | None = None) -> Outcome:
+    """Return what a clock makes of a case, with a tracker of its own or another one."""
+    simulation, clock = Simulation(case, seed), SampleClock(options, tracker)
     clock.begin(BYTE_TIME)
     outcome = Outcome([], clock.state(), [], 0, 0, 0)
     last = 0

@@ -27,11 +27,11 @@ MAY_IMPORT = {
     'sensors': {'clock', 'convert', 'diagnostics', 'nvm_reader', 'receiver', 'link',
                 'protocol'},
     'diagnostics': {'clock', 'diagnostics', 'receiver', 'link', 'protocol'},
-    'recording': {'recording', 'whole_file'},
+    'recording': {'recording', 'sensors', 'convert', 'clock', 'protocol', 'whole_file'},
     'node': {'parameters', 'sensors', 'convert', 'recording', 'diagnostics', 'nvm_services',
              'receiver', 'link'},
-    'cli': {'cli', 'convert', 'emulator', 'recording', 'nvm_reader', 'whole_file', 'receiver',
-            'link', 'clock', 'protocol'},
+    'cli': {'cli', 'convert', 'emulator', 'recording', 'sensors', 'parameters', 'nvm_reader',
+            'whole_file', 'receiver', 'link', 'clock', 'protocol'},
     '__init__': set(),
 }
 DEAF = {'protocol', 'clock'}

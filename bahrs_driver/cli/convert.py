@@ -1,0 +1,143 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""`bahrs convert`: a recording of bytes into all topics."""
+
+import argparse
+from collections.abc import Mapping
+import contextlib
+from datetime import datetime, timezone
+import json
+from pathlib import Path
+import shutil
+import sys
+from typing import Any
+
+from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.link import Link
+from bahrs_driver.parameters import defaults, ParameterError, PARAMETERS
+from bahrs_driver.recording.capture import Capture, read_capture
+from bahrs_driver.recording.conversion import Conversion, Outcome
+from bahrs_driver.recording.errors import CaptureError
+from bahrs_driver.recording.outputs import BagOutput, CsvOutput
+from bahrs_driver.sensors import SENSORS
+from rich.console import Console
+from rich.progress import Progress
+import yaml
+
+_EXAMPLES = """examples:
+  bahrs convert flight flight_topics              a bag that holds raw
+  bahrs convert flight.bin flight_topics --start 2026-05-01T12:00:00Z
+  bahrs convert flight flight_csv --as csv -p frame_convention:=ned
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the verb and its options."""
+    parser.description = (
+        'Make all topics of the driver anew, from the bytes that the device sent. Stamps are\n'
+        'better than those of the flight, for what came later tells of them, too. Log times\n'
+        'are the stamps.')
+    parser.epilog = _EXAMPLES
+    parser.add_argument('input', metavar='IN',
+                        help='bag that holds the topic raw, or file of bytes')
+    parser.add_argument('output', metavar='OUT', help='directory to make')
+    parser.add_argument('--as', dest='kind', choices=('bag', 'csv'), default='bag',
+                        help='a rosbag2 directory with MCAP, or a CSV file for each topic '
+                             '(default: %(default)s)')
+    parser.add_argument('--sensor', choices=tuple(SENSORS),
+                        help='which device sent it (default: as the bag says, or bahrs)')
+    parser.add_argument('--start', type=_time, metavar='TIME',
+                        help='for a file of bytes: the time of its first time message, as '
+                             '2026-05-01T12:00:00Z or in seconds since 1970 (default: stamps are '
+                             'device time, from 1970 on)')
+    parser.add_argument('--topic', metavar='NAME',
+                        help='topic of the bytes, for a bag with several')
+    parser.add_argument('--namespace', default='', metavar='NAME',
+                        help='namespace of the topics that are made (default: none)')
+    parser.add_argument('-p', '--param', dest='parameters', action='append', default=[],
+                        metavar='NAME:=VALUE', help='a parameter of the driver, as for the node')
+    parser.add_argument('--json', action='store_true',
+                        help='print what was converted as a JSON object')
+
+
+def run(options: argparse.Namespace) -> int:
+    """Convert; 1 if there was nothing to convert."""
+    target = Path(options.output)
+    if target.exists():
+        raise CommandError(f'{target} exists already, and is not written over')
+    half_done = target.with_name(f'.{target.name}.partial')
+    try:
+        capture = read_capture(options.input, options.topic)
+        name = options.sensor or capture.sensor or 'bahrs'
+        if name not in SENSORS:
+            raise CommandError(f'{options.input} is of a sensor {name!r}, which is not known')
+        settings = _settings(options, name)
+        conversion = Conversion(capture, name, lambda: SENSORS[name](settings, Link(
+            settings['port'], settings['baud_rate'])), options.start)
+        shutil.rmtree(half_done, ignore_errors=True)
+        outcome = _convert(options, conversion, capture, half_done)
+        if not outcome.frames:
+            raise CommandError(f'no frame of a {name} in {options.input}')
+        half_done.rename(target)
+    except (CaptureError, ParameterError) as error:
+        raise CommandError(str(error)) from error
+    finally:
+        shutil.rmtree(half_done, ignore_errors=True)
+    _report(options, capture, outcome)
+    return 0
+
+
+def _convert(options: argparse.Namespace, conversion: Conversion, capture: Capture,
+             folder: Path) -> Outcome:
+    output = CsvOutput(folder) if options.kind == 'csv' else \
+        BagOutput(folder, Path(options.output).name, options.namespace)
+    with contextlib.closing(output), Progress(
+            console=Console(stderr=True), transient=True) as bar:
+        task, now = bar.add_task('', total=capture.size), ''
+
+        def progress(what: str) -> None:
+            nonlocal now
+            if what != now:
+                now = what
+                bar.update(task, description=what)
+            bar.update(task, completed=capture.done)
+
+        return conversion.run(output, progress)
+
+
+def _settings(options: argparse.Namespace, sensor: str) -> Mapping[str, Any]:
+    settings = {**defaults(), 'sensor': sensor}
+    known = {parameter.name: parameter for parameter in PARAMETERS}
+    for text in options.parameters:
+        name, _, value = text.partition(':=')
+        if name not in known or not value:
+            raise CommandError(f'-p {text}: it must be NAME:=VALUE, of a parameter of the driver')
+        settings[name] = known[name].convert(yaml.safe_load(value))
+    return settings
+
+
+def _report(options: argparse.Namespace, capture: Capture, outcome: Outcome) -> None:
+    for note in capture.notes:
+        print(f'bahrs convert: {note}', file=sys.stderr)
+    seconds = (outcome.last_ns - outcome.first_ns) / 1e9
+    if options.json:
+        print(json.dumps({**outcome._asdict(), 'output': options.output, 'notes': capture.notes}))
+    else:
+        print(f'{outcome.frames:,} frames, {outcome.skipped_bytes:,} stray bytes: '
+              f'{outcome.messages:,} messages of {seconds:,.1f} s in {options.output}')
+
+
+def _time(text: str) -> int:
+    """Return a time in ns since 1970."""
+    try:
+        seconds = float(text)
+    except ValueError:
+        try:
+            time = datetime.fromisoformat(text.replace('Z', '+00:00'))
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(f'{text!r} is no time: it must be as '
+                                             '2026-05-01T12:00:00Z, or seconds') from error
+        seconds = (time if time.tzinfo else time.replace(tzinfo=timezone.utc)).timestamp()
+    if not 0 <= seconds < 2 ** 31:
+        raise argparse.ArgumentTypeError(f'{text!r} is before 1970 or after 2038')
+    return round(seconds * 1e9)

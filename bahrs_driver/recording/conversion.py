@@ -1,0 +1,143 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A capture through the rooms of the driver once more: every topic, with time known from both sides.
+
+The first pass looks at when bytes were read, and the second one stamps and converts. Messages
+are held for some seconds, so that they leave in the order of their stamps.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+import heapq
+from typing import Any, NamedTuple, Protocol
+
+from bahrs_driver.clock import Clock, Instant, SampleClock, Stamped
+from bahrs_driver.clock.smoother import SmoothedLines, Survey
+from bahrs_driver.convert import raw
+from bahrs_driver.recording.byte_times import DeviceTimed
+from bahrs_driver.recording.capture import Capture, Chunk
+from bahrs_driver.recording.origin import Origin
+from bahrs_driver.sensors import Sensor
+from std_msgs.msg import UInt8MultiArray
+
+HOLD = 10_000_000_000           # ns that a message may come late in the stream
+MakeSensor = Callable[[], Sensor]
+
+
+class Output(Protocol):
+    """Where converted messages go, in the order of their times."""
+
+    def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
+        """Take all topics that there are, and those of which late joiners get the last message."""
+
+    def write(self, topic: str, time_ns: int, message: Any) -> None:
+        """Take a message and its ROS time."""
+
+
+class Outcome(NamedTuple):
+    """What came of a conversion."""
+
+    frames: int
+    skipped_bytes: int
+    messages: int
+    first_ns: int
+    last_ns: int
+
+
+class Conversion:
+    """Converts one capture."""
+
+    def __init__(self, capture: Capture, sensor_name: str, make_sensor: MakeSensor,
+                 start_ns: int | None = None) -> None:
+        """
+        Take the capture and how to make the parts of its sensor.
+
+        start_ns is the ROS time of the first time message of a capture without times; without it
+        stamps are device time.
+        """
+        self._given = capture
+        self._name = sensor_name
+        self._make_sensor = make_sensor
+        self._start_ns = start_ns
+        self._heap: list[tuple[int, int, str, Any]] = []
+        self._count = self._first = self._last = 0
+
+    def run(self, output: Output, progress: Callable[[str], None]) -> Outcome:
+        """Convert into an output. progress is told now and then what is being done."""
+        capture, lines = self._survey(progress)
+        sensor = self._make_sensor()
+        clock = sensor.clock
+        if lines and isinstance(clock, SampleClock):
+            clock = clock.with_tracker(lines)
+        topics = dict(sensor.topics)
+        if self._given.timed:
+            topics[raw.TOPIC] = UInt8MultiArray
+        output.begin(topics, {topic for topic in topics if topic in sensor.latched})
+        for chunk, batch, ended in _play(capture, sensor, clock):
+            progress('converting')
+            now = chunk.read_at or 0
+            for message, _, stamp_ns in batch:
+                self._take(sensor.converter.convert(message, stamp_ns), stamp_ns)
+            if ended:
+                self._take(sensor.converter.lost(now), now)
+            elif self._given.timed and chunk.data:
+                self._take(iter([self._raw(chunk)]), now)
+            self._release(output, now - HOLD)
+        self._release(output, None)
+        counters = sensor.framer.counters
+        return Outcome(counters.frames, counters.skipped_bytes, self._count, self._first,
+                       self._last)
+
+    def _survey(self, progress: Callable[[str], None]) -> tuple[Capture, SmoothedLines | None]:
+        """Return the capture with times, and what is known of its clock by all of it."""
+        sensor = self._make_sensor()
+        if not self._given.timed:
+            timed = DeviceTimed(self._given, sensor.framer, sensor.codec, self._start_ns, progress)
+            return timed, timed.lines()
+        if not isinstance(sensor.clock, SampleClock):
+            return self._given, None
+        survey = Survey()
+        for _ in _play(self._given, sensor, sensor.clock.with_tracker(survey)):
+            progress('looking at the clock')
+        return self._given, survey.lines()
+
+    def _raw(self, chunk: Chunk) -> tuple[str, UInt8MultiArray]:
+        read_at = chunk.read_at or 0
+        origin = Origin(self._name, chunk.opening, self._given.byte_ns or 0, read_at,
+                        read_at if chunk.raw_at is None else chunk.raw_at)
+        return raw.TOPIC, raw.message(chunk.data, origin.label())
+
+    def _take(self, outgoing: Iterator[tuple[str, Any]], time_ns: int) -> None:
+        for topic, message in outgoing:
+            heapq.heappush(self._heap, (time_ns, self._count, topic, message))
+            self._count += 1
+
+    def _release(self, output: Output, until: int | None) -> None:
+        heap = self._heap
+        while heap and (until is None or heap[0][0] <= until):
+            time_ns, _, topic, message = heapq.heappop(heap)
+            self._first = self._first or time_ns
+            self._last = max(time_ns, self._last)
+            output.write(topic, self._last, message)
+
+
+def _play(capture: Capture, sensor: Sensor,
+          clock: Clock) -> Iterator[tuple[Chunk, list[Stamped], bool]]:
+    """Do as the receiver does; yield chunks, what they complete, and whether the port was lost."""
+    framer, codec = sensor.framer, sensor.codec
+    last: Chunk | None = None
+    for chunk in capture.chunks():
+        if last is None or chunk.opening != last.opening:
+            if last:
+                rest = [(codec.decode(frame), frame) for frame in framer.flush()]
+                yield last, clock.stamp(rest) + clock.end(), True
+            clock.begin(capture.byte_ns or 0)
+        last = chunk
+        frames = framer.feed(chunk.data)
+        read_at = chunk.read_at or 0
+        clock.read(Instant(read_at if chunk.raw_at is None else chunk.raw_at, read_at),
+                   framer.received)
+        yield chunk, clock.stamp([(codec.decode(frame), frame) for frame in frames]), False
+    if last:
+        rest = [(codec.decode(frame), frame) for frame in framer.flush()]
+        yield last._replace(data=b''), clock.stamp(rest) + clock.end(), False

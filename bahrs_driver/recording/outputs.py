@@ -1,0 +1,101 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a conversion can be written into: a bag, or a file of comma-separated values a topic."""
+
+from collections.abc import Iterator, Mapping
+import csv
+import json
+from pathlib import Path
+from typing import Any, IO
+
+from bahrs_driver.recording.bag_output import BagWriter
+from bahrs_driver.recording.errors import CaptureError
+from bahrs_driver.recording.serialization import serialized, type_name
+from bahrs_driver.recording.topics import profile, Topic
+
+QUEUE_DEPTH = 100               # as the node offers
+
+
+class BagOutput:
+    """A rosbag2 directory. Topics are in a namespace."""
+
+    def __init__(self, folder: Path, name: str, namespace: str = '') -> None:
+        """Make a bag whose files are called by a name; CaptureError if it cannot be made."""
+        self._bag = BagWriter(folder, name)
+        self._prefix = f"/{namespace.strip('/')}/" if namespace.strip('/') else '/'
+
+    def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
+        """Take all topics, and those of which late joiners get the last message."""
+        self._bag.add_topics(Topic(self._prefix + topic, type_name(kind), (profile(
+            'keep_last', QUEUE_DEPTH, 'reliable',
+            'transient_local' if topic in latched else 'volatile'),))
+            for topic, kind in topics.items())
+
+    def write(self, topic: str, time_ns: int, message: Any) -> None:
+        """Take a message and its ROS time."""
+        self._bag.write(self._prefix + topic, time_ns, serialized(message))
+
+    def close(self) -> None:
+        """End the bag."""
+        self._bag.close()
+
+
+class CsvOutput:
+    """A directory with a file for each topic; columns are the fields, times are in ns."""
+
+    def __init__(self, folder: Path) -> None:
+        """Make the directory; CaptureError if it exists or cannot be made."""
+        self._folder = folder
+        self._files: list[IO[str]] = []
+        self._writers: dict[str, Any] = {}
+        try:
+            folder.mkdir(parents=True)
+        except OSError as error:
+            raise CaptureError(f'cannot make {folder}: {error.strerror}') from error
+
+    def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
+        """Take all topics; each gets its file and its heading."""
+        for topic, kind in topics.items():
+            file = (self._folder / f"{topic.strip('/').replace('/', '_')}.csv").open('w')
+            self._files.append(file)
+            self._writers[topic] = csv.writer(file, lineterminator='\n')
+            self._writers[topic].writerow(['time_ns', *(name for name, _ in _flat('', kind()))])
+
+    def write(self, topic: str, time_ns: int, message: Any) -> None:
+        """Take a message and its ROS time."""
+        self._writers[topic].writerow([time_ns, *(value for _, value in _flat('', message))])
+
+    def close(self) -> None:
+        """End the files."""
+        for file in self._files:
+            file.close()
+
+
+def _flat(prefix: str, message: Any) -> Iterator[tuple[str, Any]]:
+    """
+    Yield name and value of each field.
+
+    Fields of fields are joined by dots, elements of arrays of a fixed length are numbered, and
+    sequences of any length are one JSON text.
+    """
+    for field, kind in message.get_fields_and_field_types().items():
+        name, value = prefix + field, getattr(message, field)
+        if kind.startswith('sequence<'):
+            yield name, json.dumps(_plain(value))
+        elif kind.endswith(']'):
+            yield from ((f'{name}.{index}', item) for index, item in enumerate(value.tolist()))
+        elif hasattr(value, 'get_fields_and_field_types'):
+            yield from _flat(f'{name}.', value)
+        else:
+            yield name, value
+
+
+def _plain(value: Any) -> Any:
+    """Return a message or a sequence as JSON can have it."""
+    if hasattr(value, 'get_fields_and_field_types'):
+        return {name: _plain(getattr(value, name)) for name in value.get_fields_and_field_types()}
+    if isinstance(value, bytes):
+        return list(value)
+    if hasattr(value, 'tolist'):
+        return value.tolist()
+    return [_plain(item) for item in value] if isinstance(value, list) else value

@@ -1,0 +1,153 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of `bahrs convert`, as a process: against the live node, twice, and what it refuses."""
+
+from collections import defaultdict
+import csv
+import json
+
+from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.emulator.pty_port import PtyPort
+from devices import Device
+from emulated import emissions, make_device
+from mcap.reader import make_reader
+from processes import driver, running, wait_for
+import pytest
+from rosbags.rosbag2 import Reader
+from rosbags.typesys import get_typestore, Stores
+
+LONG = 60.0
+STORE = get_typestore(Stores.ROS2_JAZZY)
+NEAR = 2 * 10 ** 9      # ns; a live stamp is what was known then, on a busy machine
+
+
+def convert(*words):
+    """Run the verb, and return its exit status and what it printed."""
+    with running('bahrs', 'convert', *map(str, words)) as process:
+        status = process.wait(LONG)
+    assert 'Traceback' not in process.text
+    return status, process.text
+
+
+def read(folder):
+    """Return the messages of a bag by topic, as rosbags and the MCAP library alike read them."""
+    found, by_mcap = defaultdict(list), defaultdict(list)
+    with Reader(folder) as reader:
+        topics = {connection.topic: connection.msgtype for connection in reader.connections}
+        for connection, time, data in reader.messages():
+            found[connection.topic].append((time, bytes(data)))
+    for file in folder.glob('*.mcap'):
+        with file.open('rb') as stream:
+            for _, channel, message in make_reader(stream).iter_messages():
+                by_mcap[channel.topic].append((message.log_time, message.data))
+    assert found == by_mcap
+    return topics, found
+
+
+def decoded(topics, topic, items):
+    """Return stamps in ns, or None, and the messages without them."""
+    stamps, messages = [], []
+    for _, data in items:
+        message = STORE.deserialize_cdr(data, topics[topic])
+        stamp = None
+        if hasattr(message, 'header'):
+            stamp = message.header.stamp.sec * 10 ** 9 + message.header.stamp.nanosec
+            object.__setattr__(message.header, 'stamp', None)
+        stamps.append(stamp)
+        messages.append(repr(message))
+    return stamps, messages
+
+
+@pytest.fixture
+def byte_file(tmp_path):
+    """Give a file of five seconds of a device."""
+    file = tmp_path / 'flight.bin'
+    file.write_bytes(b''.join(item.data for item in emissions(make_device(), 5.0)))
+    return file
+
+
+def test_what_the_node_published_is_made_again(tmp_path):
+    """Every topic, with equal values in equal number and nearly equal stamps."""
+    live, made = tmp_path / 'live', tmp_path / 'made'
+    with PtyPort() as port, driver(port.path, publish__raw=True), running(
+            'bahrs', 'record', '-o', str(live)) as recorder, Device(port):
+        assert wait_for(lambda: sum(
+            file.stat().st_size for file in live.glob('*.mcap')) > 80_000, LONG)
+        assert recorder.end() == 0
+    assert convert(live, made)[0] == 0
+    (topics, before), (made_topics, after) = read(live), read(made)
+    assert set(topics) - set(made_topics) == {'/diagnostics', '/rosout', '/nvm/page'}
+    for topic in TOPICS:
+        topic = f'/{topic}'
+        assert topics[topic] == made_topics[topic]
+        stamps, messages = decoded(topics, topic, before[topic])
+        new_stamps, new_messages = decoded(topics, topic, after[topic])
+        # The recorder may have come to this topic later than to raw, or earlier.
+        skip = next(index for index, message in enumerate(messages) if message in new_messages)
+        begin = new_messages.index(messages[skip])
+        theirs, ours = messages[skip:], new_messages[begin:]
+        count = min(len(ours), len(theirs))
+        assert ours[:count] == theirs[:count]
+        assert count > 0.8 * len(messages)
+        if stamps[skip] is not None:
+            assert all(abs(new - old) < NEAR
+                       for old, new in zip(stamps[skip:], new_stamps[begin:]))
+
+
+def test_twice_is_the_same(byte_file, tmp_path):
+    """To the byte; JSON tells what came of it."""
+    for parent in ('one', 'two'):
+        status, text = convert(byte_file, tmp_path / parent / 'bag', '--json')
+        assert status == 0
+    told = json.loads(text.splitlines()[-1])
+    assert told['frames'] > 1300 and told['skipped_bytes'] == 0
+    _, found = read(tmp_path / 'one' / 'bag')
+    assert told['messages'] == sum(map(len, found.values()))
+    for name in ('bag_0.mcap', 'metadata.yaml'):
+        assert (tmp_path / 'one' / 'bag' / name).read_bytes() == (
+            tmp_path / 'two' / 'bag' / name).read_bytes()
+
+
+def test_csv(byte_file, tmp_path):
+    """A file a topic, a column a field, a row a message."""
+    status, _ = convert(byte_file, tmp_path / 'csv', '--as', 'csv', '--start',
+                        '2026-05-01T12:00:00Z', '-p', 'frame_convention:=ned')
+    assert status == 0
+    assert {file.stem for file in (tmp_path / 'csv').iterdir()} == {
+        topic.replace('/', '_') for topic in TOPICS}
+    with (tmp_path / 'csv' / 'imu_data_raw.csv').open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) > 800
+    assert float(rows[100]['linear_acceleration.z']) == pytest.approx(-9.8, abs=0.1)
+    stamp = int(rows[100]['header.stamp.sec']) * 10 ** 9 + int(rows[100]['header.stamp.nanosec'])
+    assert int(rows[100]['time_ns']) == stamp
+    assert rows[0]['header.stamp.sec'] == '1777636800'
+    with (tmp_path / 'csv' / 'integrity.csv').open() as file:
+        states = json.loads(next(csv.DictReader(file))['status'])
+    assert states[0]['message'] == 'safe'
+
+
+def test_namespace(byte_file, tmp_path):
+    """It is put before all topics."""
+    assert convert(byte_file, tmp_path / 'bag', '--namespace', 'uav1')[0] == 0
+    topics, _ = read(tmp_path / 'bag')
+    assert set(topics) == {f'/uav1/{topic}' for topic in TOPICS}
+
+
+@pytest.mark.parametrize('words, status, sentence', [
+    (['/nowhere', 'OUT'], 1, 'cannot read /nowhere: No such file'),
+    (['NOISE', 'OUT'], 1, 'no frame of a bahrs'),
+    (['FILE', 'FILE'], 1, 'exists already'),
+    (['FILE', '/proc/x'], 1, 'cannot make'),
+    (['FILE', 'OUT', '-p', 'speed:=3'], 1, 'it must be NAME:=VALUE'),
+    (['FILE', 'OUT', '-p', 'frame_convention:=nwu'], 1, "must be 'enu' or 'ned'"),
+    (['FILE', 'OUT', '--start', 'noon'], 2, "'noon' is no time"),
+    (['FILE', 'OUT', '--start', '-5'], 2, 'before 1970'),
+])
+def test_what_is_refused(byte_file, tmp_path, words, status, sentence):
+    """With a sentence, and nothing is left behind."""
+    (tmp_path / 'noise').write_bytes(bytes(range(256)) * 20)
+    names = {'FILE': byte_file, 'OUT': tmp_path / 'out', 'NOISE': tmp_path / 'noise'}
+    found, text = convert(*(names.get(word, word) for word in words))
+    assert found == status and sentence in text
+    assert {path.name for path in tmp_path.iterdir()} == {'flight.bin', 'noise'}

@@ -1,0 +1,171 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of converting captures, against what the device was made to send."""
+
+import math
+
+from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.link import Link
+from bahrs_driver.parameters import defaults
+from bahrs_driver.protocol.bahrs import InertialTime
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec
+from bahrs_driver.recording.capture import Capture, Chunk, read_capture
+from bahrs_driver.recording.conversion import Conversion
+from bahrs_driver.sensors import SENSORS
+from emulated import decoded, emissions, make_device, make_emulation
+
+S = 1_000_000_000
+ORIGIN = 1_700_000_000 * S
+
+
+class Kept:
+    """An output that keeps all."""
+
+    def __init__(self):
+        """Start with nothing."""
+        self.messages = {}
+        self.times = []
+        self.latched = set()
+
+    def begin(self, topics, latched):
+        """Take the topics."""
+        self.messages = {topic: [] for topic in topics}
+        self.latched = latched
+
+    def write(self, topic, time_ns, message):
+        """Keep a message."""
+        self.messages[topic].append((time_ns, message))
+        self.times.append(time_ns)
+
+
+class Pieces(Capture):
+    """A capture of chunks that are given."""
+
+    timed = True
+    byte_ns = 86805
+
+    def __init__(self, chunks, tmp_path):
+        """Take them."""
+        super().__init__(tmp_path, 1)
+        self._chunks = chunks
+
+    def chunks(self):
+        """Return them."""
+        return iter(self._chunks)
+
+
+def made(**changes):
+    """Return the parts of a BAHRS."""
+    return SENSORS['bahrs']({**defaults(), **changes}, Link('/dev/null', 115200))
+
+
+def converted(capture, start=None, **changes):
+    """Convert a capture; return what came and the outcome."""
+    kept = Kept()
+    outcome = Conversion(capture, 'bahrs', lambda: made(**changes), start).run(
+        kept, lambda what: None)
+    return kept, outcome
+
+
+def stamps(kept, topic='imu/data_raw'):
+    """Return the stamps of a topic in ns."""
+    return [message.header.stamp.sec * S + message.header.stamp.nanosec
+            for _, message in kept.messages[topic]]
+
+
+def flight(seconds=8.0):
+    """Return timed chunks of an emulated device, 16 ms each, and the truth of its samples."""
+    emulation = make_emulation(make_device(drift_ppm=40.0), mode=0.016)
+    chunks, sent, now = [], [], 0.0
+    while now < seconds:
+        now += 0.016
+        sent += emulation.advance(now)
+        data = emulation.take(now)
+        at = round((now + 50e-6) * S)
+        if data:
+            chunks.append(Chunk(data, ORIGIN + at, 5 * S + at))
+    return chunks, [ORIGIN + round(item.emission.time * S) for item in sent
+                    if item.emission.name == 'inertial']
+
+
+def test_stamps_are_near_the_truth_from_the_first_on(tmp_path):
+    """And all topics are there, in the order of time, and the bytes, too."""
+    chunks, truth = flight()
+    kept, outcome = converted(Pieces(chunks, tmp_path))
+    errors = [stamp - true for stamp, true in zip(stamps(kept), truth)]
+    assert len(errors) > 1400
+    assert max(errors) - min(errors) < 60_000 and abs(min(errors)) < 100_000
+    assert set(kept.messages) == {*TOPICS, 'raw'} and kept.latched == {'integrity'}
+    assert all(kept.messages[topic] for topic in TOPICS if topic != 'sync_pulse')
+    assert kept.times == sorted(kept.times)
+    assert b''.join(message.data.tobytes() for _, message in kept.messages['raw']) == b''.join(
+        chunk.data for chunk in chunks)
+    assert [time for time, _ in kept.messages['imu/data_raw']] == stamps(kept)
+    assert outcome.messages == len(kept.times) and outcome.skipped_bytes < 28
+
+
+def test_a_host_that_was_set(tmp_path):
+    """The stamps before are of the old time, those after of the new, none is between."""
+    chunks, truth = flight(4.0)
+    chunks = [chunk._replace(read_at=chunk.read_at + 3600 * S) if index >= 100 else chunk
+              for index, chunk in enumerate(chunks)]
+    kept, _ = converted(Pieces(chunks, tmp_path))
+    errors = {round((stamp - true) / S) for stamp, true in zip(stamps(kept), truth)}
+    assert errors == {0, 3600}
+
+
+def test_a_port_that_was_lost(tmp_path):
+    """It says so where it was lost, as the node does, and the rest of a frame is no frame."""
+    chunks, truth = flight(4.0)
+    cut = [chunk if index != 100 else chunk._replace(data=chunk.data[:5])
+           for index, chunk in enumerate(chunks[:101])]
+    again = [chunk._replace(opening=2) for chunk in chunks[110:]]
+    kept, outcome = converted(Pieces(cut + again, tmp_path))
+    states = [message.status[0].message for _, message in kept.messages['integrity']]
+    assert states.count('not_heard') == 1 and states[-1] != 'not_heard'
+    assert outcome.skipped_bytes > 0
+
+
+def test_bytes_without_times(tmp_path):
+    """Stamps are device time, or count from a start; a restart goes on."""
+    device = make_device()
+    data = b''.join(item.data for item in emissions(device, 5.0))
+    device.power_cycle(5.0)
+    data += b''.join(item.data for item in emissions(device, 10.0))
+    file = tmp_path / 'flight.bin'
+    file.write_bytes(data)
+    kept, outcome = converted(read_capture(file))
+    plain = stamps(kept)
+    assert 'raw' not in kept.messages
+    times = [message.device_time_us * 1000 for message in decoded(data)
+             if isinstance(message, InertialTime)]
+    first = [stamp for stamp in plain if stamp <= 5 * S]
+    assert set(times[:10]) <= set(first)
+    assert all(abs(later - earlier - 5_000_000) < 1000
+               for earlier, later in zip(first, first[1:]))
+    assert plain == sorted(set(plain)) and 5 * S < plain[-1] < 15 * S
+    started, _ = converted(read_capture(file), ORIGIN)
+    assert [stamp - plain[0] for stamp in plain] == [
+        stamp - stamps(started)[0] for stamp in stamps(started)]
+    assert ORIGIN in stamps(started)
+
+
+def test_bytes_without_any_time_message(tmp_path):
+    """They come at the rate of the line."""
+    codec = BahrsCodec()
+    frames = [codec.encode(message, 3) for message in decoded(b''.join(
+        item.data for item in emissions(make_device(), 2.0)))
+        if not hasattr(message, 'device_time_us')]
+    file = tmp_path / 'flight.bin'
+    file.write_bytes(b''.join(frames))
+    kept, _ = converted(read_capture(file))
+    assert len(kept.messages['imu/data_raw']) > 200
+    assert all(math.isfinite(time) for time in kept.times)
+
+
+def test_arrival_stamps(tmp_path):
+    """Without device time there is nothing to smooth, and it works."""
+    chunks, truth = flight(3.0)
+    kept, _ = converted(Pieces(chunks, tmp_path), **{'time.source': 'arrival'})
+    late = [stamp - true for stamp, true in zip(stamps(kept), truth)]
+    assert len(late) > 400 and max(late) - min(late) > 5_000_000
