@@ -23,13 +23,18 @@ Message = TypeVar('Message')
 
 @dataclass(frozen=True)
 class Row:
-    """One field on the wire: its struct code, how often it repeats, and both conversions."""
+    """
+    One field on the wire: its struct code, how often it repeats, and both conversions.
+
+    `reserved` bytes follow it that mean nothing; they are written as zeros.
+    """
 
     code: str
     decode: Callable[[Any], Any]
     encode: Callable[[Any], Any]
     count: int = 1
     unit: str = ''
+    reserved: int = 0
 
 
 def _same(value: Any) -> Any:
@@ -121,6 +126,16 @@ def block(size: int) -> Row:
     return Row(f'{size}s', bytes, encode)
 
 
+def flag(raised: int) -> Row:
+    """Return the row of a byte that is true for one value, 0 or 1, and false for any other."""
+    return Row('B', lambda raw: raw == raised, lambda value: raised if value else 1 - raised)
+
+
+def before_reserved(size: int, row: Row) -> Row:
+    """Return the same row with so many bytes behind it that mean nothing."""
+    return Row(row.code, row.decode, row.encode, row.count, row.unit, size)
+
+
 def integrity_fields(code: str, count: int) -> Row:
     """Return the row of a health word with two bits a signal."""
     return Row(code, *two_bit_fields(count))
@@ -154,6 +169,7 @@ class Layout(Generic[Message]):
         for item in fields(message):  # type: ignore[arg-type]
             row = (replace or {}).get(item.name) or _row_for(item.metadata['rows'], version)
             code = row.code if row.count == 1 else f'{row.count}{row.code}'
+            code += 'x' * row.reserved
             self._rows.append((item.name, row, struct.Struct(byte_order + code)))
             place = position if row.count == 1 else slice(position, position + row.count)
             self._steps.append((row.decode, place))
