@@ -7,15 +7,16 @@ Made of small rooms: `bounds` (what a read says of a frame), `host` (the host's 
 `counter`, `labels`, `navigation`, `timeline` and `device_time` (sequence numbers to device
 time), `tracker` and `pulses` over `kalman` (device time to host time), `output` (stamps), and
 `sample_clock`, which holds them together. `smoother`, over `rauch`, stands in for the tracker
-when the whole recording is there.
+when the whole recording is there. `exchange` is for devices that answer requests.
 """
 
 from bahrs_driver.clock.arrival import ArrivalClock, ArrivalStamps
+from bahrs_driver.clock.exchange import ExchangeClock
 from bahrs_driver.clock.interface import Clock, Instant, Stamped, TimeState
 from bahrs_driver.clock.options import ClockOptions
 from bahrs_driver.clock.sample_clock import SampleClock
 from bahrs_driver.clock.units import BITS_PER_BYTE, byte_time_ns, NANOSECONDS
 
 __all__ = [
-    'ArrivalClock', 'ArrivalStamps', 'BITS_PER_BYTE', 'Clock', 'ClockOptions', 'Instant',
-    'NANOSECONDS', 'SampleClock', 'Stamped', 'TimeState', 'byte_time_ns']
+    'ArrivalClock', 'ArrivalStamps', 'BITS_PER_BYTE', 'Clock', 'ClockOptions', 'ExchangeClock',
+    'Instant', 'NANOSECONDS', 'SampleClock', 'Stamped', 'TimeState', 'byte_time_ns']

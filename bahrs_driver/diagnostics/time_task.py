@@ -40,6 +40,10 @@ class TimeTask:
             return Verdict(WARN, self._notice)
         if state.source == 'arrival':
             return Verdict(OK, 'Stamps are arrival times, as time.source says')
+        if state.source == 'exchange':
+            return Verdict(OK, 'Stamps are the middle of request and answer, within '
+                               f'{state.spread_us / 1000:.1f} ms'
+                           if state.settled else 'Nothing answered yet')
         if not state.settled:
             return Verdict(WARN, 'Device time is not known: samples wait for it'
                            if state.held else
