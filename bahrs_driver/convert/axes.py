@@ -41,6 +41,17 @@ def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
         cr * cp * sy - sr * sp * cy)
 
 
+def turned_to_body(vector: Vector, body_to_world: Quaternion) -> Vector:
+    """Return a vector in navigation axes as it stands in body axes."""
+    w, x, y, z = body_to_world
+    a, b, c = vector
+    # Twice the cross product of the rotation's axis, reversed, and the vector.
+    p, q, r = 2 * (z * b - y * c), 2 * (x * c - z * a), 2 * (y * a - x * b)
+    return (a + w * p - y * r + z * q,
+            b + w * q - z * p + x * r,
+            c + w * r - x * q + y * p)
+
+
 def flu(frd: Vector) -> Vector:
     """Return a body vector given forward, right, down as forward, left, up."""
     x, y, z = frd

@@ -50,3 +50,8 @@ def of_z_only(index: int, stddev: float) -> Matrix:
     variances = [UNKNOWN_VARIANCE] * 6
     variances[index] = stddev ** 2
     return diagonal(variances)
+
+
+def of_pairs(first: Sequence[float], second: Sequence[float]) -> Matrix:
+    """Return the 6x6 covariance of a pose or twist from the variances of its two halves."""
+    return diagonal([*first, *second])

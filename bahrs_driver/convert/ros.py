@@ -6,15 +6,18 @@ from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.convert import covariance
 from bahrs_driver.convert.axes import Quaternion
 from bahrs_driver.convert.covariance import Matrix
+from bahrs_driver.convert.utm import Place
 from bahrs_driver.protocol.layout import Vector
 from geometry_msgs.msg import (
+    Point,
     PoseWithCovarianceStamped,
     Quaternion as QuaternionMessage,
     TwistWithCovarianceStamped,
     Vector3,
 )
+from nav_msgs.msg import Odometry
 from sensor_msgs.msg import (
-    FluidPressure, Imu, MagneticField, NavSatFix, NavSatStatus, TimeReference,
+    FluidPressure, Imu, MagneticField, NavSatFix, NavSatStatus, Temperature, TimeReference,
 )
 from std_msgs.msg import Float64, Header
 
@@ -71,6 +74,24 @@ def altitude_fix(head: Header, altitude: float, stddev: float) -> NavSatFix:
     return message
 
 
+def position_fix(head: Header, place: Place | None, altitude: float, horizontal_stddev: float,
+                 vertical_stddev: float) -> NavSatFix:
+    """Return a position in degrees and m above the ellipsoid; without a place it is no fix."""
+    if place is None:
+        message = NavSatFix(header=head, latitude=_NAN, longitude=_NAN, altitude=_NAN)
+        message.status = NavSatStatus(status=NavSatStatus.STATUS_NO_FIX,
+                                      service=NavSatStatus.SERVICE_GPS)
+        return message
+    message = NavSatFix(header=head, latitude=place.latitude, longitude=place.longitude,
+                        altitude=altitude)
+    message.status = NavSatStatus(status=NavSatStatus.STATUS_FIX,
+                                  service=NavSatStatus.SERVICE_GPS)
+    message.position_covariance = covariance.diagonal(
+        (horizontal_stddev ** 2, horizontal_stddev ** 2, vertical_stddev ** 2))
+    message.position_covariance_type = NavSatFix.COVARIANCE_TYPE_APPROXIMATED
+    return message
+
+
 def height_pose(head: Header, z: float, stddev: float) -> PoseWithCovarianceStamped:
     """Return a pose of which only z, in m, is known."""
     message = PoseWithCovarianceStamped(header=head)
@@ -85,6 +106,35 @@ def vertical_twist(head: Header, z: float, stddev: float) -> TwistWithCovariance
     message.twist.twist.linear.z = z
     message.twist.covariance = covariance.of_z_only(_Z, stddev)
     return message
+
+
+def twist(head: Header, velocity: Vector, stddev: float) -> TwistWithCovarianceStamped:
+    """Return a twist of which the velocity, in m/s, is known and the rotation is not."""
+    message = TwistWithCovarianceStamped(header=head)
+    message.twist.twist.linear = _vector3(velocity)
+    message.twist.covariance = covariance.of_pairs(
+        (stddev ** 2,) * 3, (covariance.UNKNOWN_VARIANCE,) * 3)
+    return message
+
+
+def odometry(head: Header, child_frame_id: str, position: Vector, orientation: Quaternion,
+             pose_covariance: Matrix, velocity: Vector, rate: Vector,
+             twist_covariance: Matrix) -> Odometry:
+    """Return where a body is in the header's frame (m), and how it moves in its own (m/s)."""
+    message = Odometry(header=head, child_frame_id=child_frame_id)
+    x, y, z = position
+    message.pose.pose.position = Point(x=x, y=y, z=z)
+    message.pose.pose.orientation = _quaternion(orientation)
+    message.pose.covariance = pose_covariance
+    message.twist.twist.linear = _vector3(velocity)
+    message.twist.twist.angular = _vector3(rate)
+    message.twist.covariance = twist_covariance
+    return message
+
+
+def temperature(head: Header, celsius: float, stddev: float) -> Temperature:
+    """Return a temperature in degrees Celsius."""
+    return Temperature(header=head, temperature=celsius, variance=stddev ** 2)
 
 
 def time_reference(head: Header, reference_us: int, source: str) -> TimeReference:

@@ -1,0 +1,240 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What the answers of the Titan-M become in ROS.
+
+Each answer is measured, and stamped, by itself. `imu/data` has the attitude of a state answer
+under its stamp, with the calibrated force and rate of the sensor answer just before it. What
+is not a number is not reported.
+
+The document speaks of velocity north and east and of heading, and of UTM only for the position.
+So they are taken to be from true north, and the convergence of the grid does not come in.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+import math
+from typing import Any, NamedTuple
+
+from bahrs_driver.convert import covariance, ros
+from bahrs_driver.convert.axes import (
+    Convention, Quaternion, quaternion_from_euler, turned_to_body,
+)
+from bahrs_driver.convert.covariance import Matrix
+from bahrs_driver.convert.gps_time import GpsTime
+from bahrs_driver.convert.utm import to_wgs84
+from bahrs_driver.protocol.layout import Vector
+from bahrs_driver.protocol.payload_order import PayloadReader
+from bahrs_driver.protocol.titan_frames import Answer
+from bahrs_driver.protocol.titan_m import ADC_FORCE, ADC_RATE_DEG, Gps, Sensors, State
+from geometry_msgs.msg import TwistWithCovarianceStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import (
+    FluidPressure, Imu, MagneticField, NavSatFix, Temperature, TimeReference,
+)
+from std_msgs.msg import Float64
+
+TOPICS: dict[str, type] = {
+    'imu/data_raw': Imu,
+    'imu/data': Imu,
+    'imu/mag': MagneticField,
+    'static_pressure': FluidPressure,
+    'differential_pressure': FluidPressure,
+    'temperature': Temperature,
+    'fix': NavSatFix,
+    'velocity': TwistWithCovarianceStamped,
+    'odometry': Odometry,
+    'heading': Float64,
+    'time_reference': TimeReference,
+}
+LATCHED: set[str] = set()
+
+TOGETHER_NS = 25_000_000        # a sensor answer and a state answer that make one imu/data
+TIME_SOURCE = 'gps'
+ADC_RATE = math.radians(ADC_RATE_DEG)   # rad/s
+ROUNDING = math.sqrt(1 / 12)            # standard deviation of what rounding leaves, in quanta
+
+Outgoing = Iterator[tuple[str, Any]]
+
+
+@dataclass(frozen=True)
+class TitanDeviations:
+    """Assumed standard deviations (SI); 0 is unknown."""
+
+    force: float
+    rate: float
+    attitude: float
+    heading: float
+    velocity: float
+    position: float
+    altitude: float
+    field: float
+    static_pressure: float
+    differential_pressure: float
+    temperature: float
+
+
+@dataclass(frozen=True)
+class TitanOptions:
+    """What the user may choose: frames, axes, deviations; angles in rad, heights in m."""
+
+    frame_id: str
+    world_frame_id: str
+    convention: Convention
+    deviations: TitanDeviations
+    declination: float
+    geoid_height: float
+    gps_week: int
+    leap_seconds: int
+    state_is_asked: bool        # or velocity is that of the GPS
+    gps_is_asked: bool          # and tells whether there was a fix
+
+
+class _Sample(NamedTuple):
+    """Calibrated force and rate in published axes."""
+
+    stamp_ns: int
+    force: Vector
+    rate: Vector
+
+
+class TitanConverter:
+    """Turns answers into (topic, ROS message) pairs."""
+
+    def __init__(self, options: TitanOptions, reader: PayloadReader[int]) -> None:
+        """Convert as the options say; reader knows in which byte order."""
+        self._options = options
+        self._reader = reader
+        self._gps_time = GpsTime(options.gps_week, options.leap_seconds)
+        self._handlers: dict[type, Callable[[Any, int], Outgoing]] = {
+            State: self._state, Gps: self._gps, Sensors: self._sensors}
+        deviations = options.deviations
+        spread = options.convention.diagonal((
+            deviations.attitude or None, deviations.attitude or None, deviations.heading or None))
+        self._orientation_spread = covariance.of_orientation(spread)
+        self._spreads = _spreads(deviations.force), _spreads(deviations.rate)
+        self._raw_spreads = (_spreads(math.hypot(deviations.force, ADC_FORCE * ROUNDING)),
+                             _spreads(math.hypot(deviations.rate, ADC_RATE * ROUNDING)))
+        self._forget()
+
+    def lost(self, stamp_ns: int) -> Outgoing:
+        """Forget the stream; nothing is to be said about its end."""
+        self._forget()
+        return iter(())
+
+    def convert(self, message: object, stamp_ns: int) -> Outgoing:
+        """
+        Return what an answer becomes, and those that waited for their byte order, one by one.
+
+        stamp_ns is the answer's time in nanoseconds since the epoch.
+        """
+        if isinstance(message, Answer) and message.wanted:
+            for known, stamp in self._reader.read(message.kind, message.payload, stamp_ns):
+                yield from self._handlers[type(known)](known, stamp)
+
+    @property
+    def gps_text(self) -> str:
+        """Return what the GPS says at present, in words."""
+        return self._gps_text
+
+    def _forget(self) -> None:
+        self._reader.begin()
+        self._sample: _Sample | None = None
+        self._had_fix = False
+        self._gps_text = 'not heard'
+
+    def _sensors(self, message: Sensors, stamp_ns: int) -> Outgoing:
+        options, deviations = self._options, self._options.deviations
+        head = ros.header(stamp_ns, options.frame_id)
+        body = options.convention.body
+        x, y, z = message.adc_angular_rate_deg
+        yield 'imu/data_raw', self._imu(
+            stamp_ns, None, body(message.adc_acceleration),
+            body((math.radians(x), math.radians(y), math.radians(z))), self._raw_spreads)
+        self._sample = _Sample(stamp_ns, body(message.acceleration), body(message.angular_rate))
+        if any(message.magnetic_field_tesla):
+            yield 'imu/mag', ros.magnetic_field(
+                head, body(message.magnetic_field_tesla),
+                covariance.diagonal((deviations.field ** 2,) * 3))
+        if message.absolute_pressure:
+            yield 'static_pressure', ros.fluid_pressure(
+                head, message.absolute_pressure, deviations.static_pressure)
+        yield 'differential_pressure', ros.fluid_pressure(
+            head, message.differential_pressure, deviations.differential_pressure)
+        yield 'temperature', ros.temperature(head, message.temperature_c, deviations.temperature)
+
+    def _state(self, message: State, stamp_ns: int) -> Outgoing:
+        options = self._options
+        known = _finite(message.attitude)
+        roll, pitch, heading = message.attitude
+        rotation = quaternion_from_euler(
+            roll, pitch, heading + options.declination) if known else None
+        sample = self._sample
+        if sample and abs(stamp_ns - sample.stamp_ns) > TOGETHER_NS:
+            sample = None
+        if rotation or sample:
+            _, force, rate = sample or _Sample(0, ros.NO_VECTOR, ros.NO_VECTOR)
+            yield 'imu/data', self._imu(stamp_ns, rotation, force, rate, self._spreads)
+        if _finite(message.velocity_ned):
+            yield 'velocity', self._twist(message.velocity_ned, stamp_ns)
+        if rotation and _finite(message.position_ned + message.velocity_ned) \
+                and (self._had_fix or not options.gps_is_asked):
+            yield 'odometry', self._odometry(message, rotation, stamp_ns)
+        yield 'heading', ros.number(math.degrees(heading) % 360.0 if known else math.nan)
+
+    def _gps(self, message: Gps, stamp_ns: int) -> Outgoing:
+        options = self._options
+        place = to_wgs84(message.easting, message.northing, message.zone, message.northern)
+        head = ros.header(stamp_ns, options.frame_id)
+        yield 'fix', ros.position_fix(
+            head, place, message.altitude + options.geoid_height, options.deviations.position,
+            options.deviations.altitude)
+        if place:
+            self._had_fix = True
+            if not options.state_is_asked:
+                yield 'velocity', self._twist(message.velocity_ned, stamp_ns)
+        self._gps_text = f"fix in zone {message.zone} {'north' if message.northern else 'south'}" \
+            if place else 'no fix'
+        time = self._gps_time.microseconds(message.gps_time_s)
+        if time and message.gps_time_s:
+            yield 'time_reference', ros.time_reference(head, time, TIME_SOURCE)
+
+    def _twist(self, velocity: Vector, stamp_ns: int) -> TwistWithCovarianceStamped:
+        options = self._options
+        return ros.twist(ros.header(stamp_ns, options.world_frame_id),
+                         options.convention.world(velocity), options.deviations.velocity)
+
+    def _odometry(self, message: State, rotation: Quaternion, stamp_ns: int) -> Odometry:
+        options, deviations = self._options, self._options.deviations
+        spread = self._orientation_spread
+        position = (deviations.position ** 2, deviations.position ** 2, deviations.altitude ** 2)
+        return ros.odometry(
+            ros.header(stamp_ns, options.world_frame_id), options.frame_id,
+            options.convention.world(message.position_ned),
+            options.convention.orientation(rotation),
+            covariance.of_pairs(position, (spread[0], spread[4], spread[8])),
+            options.convention.body(turned_to_body(message.velocity_ned, rotation)),
+            options.convention.body(message.angular_rate),
+            covariance.of_pairs((deviations.velocity ** 2,) * 3, (deviations.rate ** 2,) * 3))
+
+    def _imu(self, stamp_ns: int, rotation: Quaternion | None, force: Vector, rate: Vector,
+             spreads: tuple[Matrix, Matrix]) -> Imu:
+        options = self._options
+        force_spread, rate_spread = spreads
+        return ros.imu(
+            ros.header(stamp_ns, options.frame_id),
+            options.convention.orientation(rotation) if rotation else None,
+            self._orientation_spread if rotation else covariance.NOT_REPORTED,
+            rate, _known(rate, rate_spread), force, _known(force, force_spread))
+
+
+def _finite(values: tuple[float, ...]) -> bool:
+    return all(map(math.isfinite, values))
+
+
+def _spreads(deviation: float) -> Matrix:
+    return covariance.of_vector((1.0,) * 3, deviation)
+
+
+def _known(values: Vector, spread: Matrix) -> Matrix:
+    return spread if _finite(values) else covariance.NOT_REPORTED
