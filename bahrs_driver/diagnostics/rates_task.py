@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
+from bahrs_driver.diagnostics.losses import Losses, SequenceLosses
 from bahrs_driver.diagnostics.task import OK, STALE, Verdict, WARN
 from bahrs_driver.diagnostics.window import Window
 
-COUNTER_MODULUS = 256
 RATE_SPAN = 2.0             # s over which a rate is measured
 LONGEST_GAP = 0.5           # s; when nothing at all comes for longer, the device has paused
 
@@ -19,31 +19,32 @@ class RatesTask:
 
     name = 'Rates'
 
-    def __init__(self, expected: Mapping[str, float], tolerance: float,
-                 stale_timeout: float) -> None:
+    def __init__(self, expected: Mapping[str, float], tolerance: float, stale_timeout: float,
+                 losses: Losses | None = None) -> None:
         """
         Expect messages, by name, at a rate in Hz.
 
         A rate may be off by the tolerance (a share); without any of these messages for
-        stale_timeout seconds the stream is stale.
+        stale_timeout seconds the stream is stale. What is lost is told by sequence numbers
+        unless something else knows.
         """
         self._expected = expected
         self._tolerance = tolerance
         self._stale_timeout = stale_timeout
         self._received = Counter[str]()
-        self._lost = Counter[str]()
-        self._last: dict[str, tuple[int, float]] = {}
+        self._loss_counts = losses or SequenceLosses()
+        self._begun = False
         self._last_any: float | None = None
         self._flowing = 0.0         # s, time in which the stream did not pause
         self._last_service: float | None = None
         self._window = Window(
             lambda: [self._received[name] for name in expected], RATE_SPAN)
-        self._losses = Window(lambda: [self._lost[name] for name in expected])
+        self._losses = Window(lambda: [self.lost.get(name, 0) for name in expected])
 
     @property
     def lost(self) -> Mapping[str, int]:
         """Messages lost since the start, by name."""
-        return self._lost
+        return self._loss_counts.lost
 
     def observe(self, message: Any, now: float) -> None:
         """Count a message."""
@@ -56,17 +57,16 @@ class RatesTask:
             if self._last_service is not None and self._last_service > self._last_any:
                 self.restart()          # the device was asked to pause
         self._last_any = now
-        if not self._last:
+        if not self._begun:
             self._window.restart()          # rates begin with the first message
+            self._begun = True
         self._received[name] += 1
-        if name in self._last:
-            self._lost[name] += missing(*self._last[name], message.sequence, self._flowing,
-                                        self._expected[name])
-        self._last[name] = message.sequence, self._flowing
+        self._loss_counts.observe(message, self._flowing, self._expected[name])
 
     def restart(self) -> None:
         """Begin to count gaps afresh: the device was switched on, or the port opened again."""
-        self._last.clear()
+        self._loss_counts.restart()
+        self._begun = False
         self._window.restart()
 
     def stale(self, now: float) -> bool:
@@ -82,7 +82,7 @@ class RatesTask:
             return Verdict(WARN, 'Lost just now: ' + _listed(self._expected, losses))
         elapsed, counts = self._window.growth(now)
         if elapsed >= RATE_SPAN:
-            off = [f'{name} at {count / elapsed:.0f} Hz instead of {rate:.0f}'
+            off = [f'{name} at {count / elapsed:.0f} Hz instead of {rate:g}'
                    for (name, rate), count in zip(self._expected.items(), counts)
                    if abs(count - elapsed * rate) > max(2.0, elapsed * rate * self._tolerance)]
             if off:
@@ -95,9 +95,9 @@ class RatesTask:
         found = {}
         for (name, rate), count in zip(self._expected.items(), counts):
             measured = count / elapsed if elapsed else 0.0
-            found[f'{name} [Hz]'] = f'{measured:.1f} of {rate:.0f}'
+            found[f'{name} [Hz]'] = f'{measured:.1f} of {rate:g}'
             found[f'{name} received'] = str(self._received[name])
-            found[f'{name} lost'] = str(self._lost[name])
+            found[f'{name} lost'] = str(self.lost.get(name, 0))
         return found
 
     def _notice_service(self, message: Any, now: float) -> None:
@@ -109,19 +109,6 @@ class RatesTask:
             return Verdict(STALE, 'The device is in diagnostics mode; it leaves by itself 5 s '
                                   'after the last request')
         return Verdict(STALE, 'No data from the device')
-
-
-def missing(last: int, then: float, sequence: int, now: float, rate: float) -> int:
-    """
-    Return how many messages came between two that have these counters and times.
-
-    The counter alone tells it modulo 256; the time in between (s) and the rate (Hz) tell how
-    often it went round. A repeated message is not a loss.
-    """
-    gap = (sequence - last - 1) % COUNTER_MODULUS
-    expected = (now - then) * rate - 1
-    turns = round((expected - gap) / COUNTER_MODULUS)
-    return max(0, gap + COUNTER_MODULUS * turns)
 
 
 def _listed(names: Mapping[str, float], counts: tuple[int, ...]) -> str:

@@ -8,7 +8,8 @@ from types import SimpleNamespace
 from bahrs_driver.diagnostics.device_task import DeviceTask
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.link_task import LinkTask
-from bahrs_driver.diagnostics.rates_task import missing, RatesTask
+from bahrs_driver.diagnostics.losses import missing
+from bahrs_driver.diagnostics.rates_task import RatesTask
 from bahrs_driver.diagnostics.signals_task import SignalsTask
 from bahrs_driver.diagnostics.task import ERROR, OK, STALE, WARN
 from bahrs_driver.diagnostics.window import Window
