@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node: it wires the parts together, and nothing else."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 import signal
 import sys
@@ -54,10 +54,10 @@ class DriverNode(Node):
         """Read the parameters and make the parts; ParameterError if one is bad."""
         super().__init__('bahrs_driver', automatically_declare_parameters_from_overrides=True)
         settings = declare(self)
-        for sentence in unknown_names(self):
-            self.get_logger().warning(sentence)
         self._link = _link(settings)
         self._sensor = sensor = SENSORS[settings['sensor']](settings, self._link)
+        for sentence in (*unknown_names(self), *sensor.warnings):
+            self.get_logger().warning(sentence)
         self.receiver = Receiver(self._link, sensor.framer, sensor.codec, sensor.clock, self)
         self._time_task = TimeTask(sensor.clock)
         self._counts = dict.fromkeys(sensor.topics, 0)
@@ -76,6 +76,18 @@ class DriverNode(Node):
         if sensor.nvm:
             self._nvm_services = NvmServices(self, sensor.nvm)
 
+    @property
+    def threads(self) -> list[Callable[[], None]]:
+        """Return what is to run, each in a thread, until stop()."""
+        requester = self._sensor.requester
+        return [self.receiver.run, *([requester.run] if requester else [])]
+
+    def stop(self) -> None:
+        """Make the threads end soon."""
+        if self._sensor.requester:
+            self._sensor.requester.stop()
+        self.receiver.stop()
+
     def leave_device(self) -> None:
         """Have the device told to leave diagnostics mode, if it is in it for us."""
         if self._sensor.nvm:
@@ -86,6 +98,8 @@ class DriverNode(Node):
         self._byte_ns = self._link.byte_time_ns
         self.get_logger().info(f'{self._link.port} is open')
         self._sensor.health.opened()
+        if self._sensor.requester:
+            self._sensor.requester.opened()
         self._report()
 
     def link_failed(self, reason: str) -> None:
@@ -94,6 +108,8 @@ class DriverNode(Node):
         self._publish(self._sensor.converter.lost(time.time_ns()))
         if self._sensor.nvm:
             self._sensor.nvm.lost(reason)
+        if self._sensor.requester:
+            self._sensor.requester.lost()
         self._report()
 
     def bytes_read(self, reading: Reading) -> None:
@@ -153,7 +169,8 @@ class DriverNode(Node):
     def _make_monitor(self, settings: Mapping[str, Any]) -> Monitor:
         sensor, counters = self._sensor, self.receiver.counters
         tasks: list[Task] = [
-            LinkTask(self._link, counters, settings['diagnostics.silence_timeout']),
+            LinkTask(self._link, counters,
+                     max(settings['diagnostics.silence_timeout'], sensor.longest_pause)),
             FramingTask(sensor.framer, counters, self._link.baud_rate, settings['sensor'],
                         sensor.protocol, settings['diagnostics.damaged_share']),
             self._time_task,
@@ -202,7 +219,7 @@ def main(args: list[str] | None = None) -> int:
 
 def _run(ended: Event) -> None:
     """
-    Receive and spin, each in its thread, until ended or until one of them fails.
+    Let the node's threads and the executor run until ended or until one of them fails.
 
     The main thread waits for the signal. The executor's own shutdown() does not wait for
     callbacks, and from another thread takes away what spin() still uses: spinning ends by a
@@ -212,14 +229,14 @@ def _run(ended: Event) -> None:
     executor = MultiThreadedExecutor(SERVICE_THREADS)
     executor.add_node(node)
     stopped = Future()
-    with ThreadPoolExecutor(max_workers=2) as pool:
-        threads = [pool.submit(node.receiver.run),
-                   pool.submit(executor.spin_until_future_complete, stopped)]
+    with ThreadPoolExecutor(max_workers=len(node.threads) + 1) as pool:
+        threads = [pool.submit(run) for run in node.threads]
+        threads.append(pool.submit(executor.spin_until_future_complete, stopped))
         for thread in threads:
             thread.add_done_callback(lambda _: ended.set())
         ended.wait()
         node.leave_device()
-        node.receiver.stop()
+        node.stop()
         stopped.set_result(None)
         for thread in threads:
             thread.result()

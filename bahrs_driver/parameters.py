@@ -86,14 +86,15 @@ class Parameter:
 
 
 PARAMETERS = (
-    Parameter('sensor', 'bahrs', 'Which device is on the port.', choices=('bahrs',)),
+    Parameter('sensor', 'bahrs', 'Which device is on the port.',
+              choices=('bahrs', 'titan_m')),
     Parameter('port', '/dev/ttyUSB0',
               'Serial port: a path, or a pyserial URL such as socket://host:4001.'),
     Parameter('baud_rate', 115200, 'Speed of the serial line. Always 8N1.', 'baud',
               low=1200, high=4000000),
     Parameter('frame_id', 'imu_link', 'Frame of the sensor, in which body vectors are given.'),
     Parameter('world_frame_id', 'map',
-              'Frame of altitude/pose and velocity, level with its z axis vertical.'),
+              'Frame of altitude/pose, velocity and odometry, level with its z axis vertical.'),
     Parameter('frame_convention', 'enu',
               'Axes of what is published: enu for body forward, left, up and world east, north, '
               'up (REP-103); ned for body forward, right, down and world north, east, down.',
@@ -107,11 +108,35 @@ PARAMETERS = (
               'device at rest shows.', 'rad/s', low=0.0, high=10.0),
     Parameter('stddev.pressure_height', 1.0, 'Standard deviation of the pressure height.', 'm',
               low=0.0, high=1000.0),
-    Parameter('stddev.velocity', 0.2, 'Standard deviation of the vertical velocity.', 'm/s',
-              low=0.0, high=100.0),
+    Parameter('stddev.velocity', 0.2,
+              'Standard deviation of the velocity: of a bahrs the vertical one, of a titan_m each '
+              'component.', 'm/s', low=0.0, high=100.0),
+    Parameter('stddev.attitude', 0.02,
+              'Standard deviation of roll and pitch of a titan_m. Nobody has measured it; 0 is '
+              'unknown.', 'rad', low=0.0, high=4.0),
+    Parameter('stddev.heading', 0.05,
+              'Standard deviation of the heading of a titan_m. Nobody has measured it; 0 is '
+              'unknown.', 'rad', low=0.0, high=4.0),
+    Parameter('stddev.position', 2.5,
+              'Standard deviation of each horizontal component of a position by GPS.', 'm',
+              low=0.0, high=1000.0),
+    Parameter('stddev.altitude', 5.0, 'Standard deviation of an altitude by GPS.', 'm',
+              low=0.0, high=1000.0),
+    Parameter('stddev.magnetic_field', 0.0,
+              'Standard deviation of each component of a measured magnetic field; 0 is unknown.',
+              'T', low=0.0, high=1e-3),
+    Parameter('stddev.static_pressure', 0.0,
+              'Standard deviation of a measured static pressure; 0 is unknown.', 'Pa',
+              low=0.0, high=1e5),
+    Parameter('stddev.differential_pressure', 0.0,
+              'Standard deviation of the differential pressure; 0 is unknown.', 'Pa',
+              low=0.0, high=1e5),
+    Parameter('stddev.temperature', 0.0,
+              'Standard deviation of the temperature; 0 is unknown.', 'K', low=0.0, high=100.0),
     Parameter('magnetic_field.declination', 0.0,
               'Magnetic declination, positive east. It is added to the magnetic heading to give '
-              'the yaw of imu/data; the topic heading stays magnetic.', 'degree',
+              'the yaw of imu/data and odometry; the topic heading stays as the device has it.',
+              'degree',
               low=-180.0, high=180.0),
     Parameter('magnetic_field.strength', 50e-6,
               'Strength of the magnetic field that imu/mag is derived with.', 'T',
@@ -124,6 +149,41 @@ PARAMETERS = (
     Parameter('publish.raw', False,
               'Whether to publish raw, the bytes of each read as they came. A bag that holds it '
               'holds everything, and can be converted anew.'),
+    Parameter('state.rate', 50.0,
+              'How often to ask a titan_m for its state: attitude, velocity, position; 0 is '
+              'never.', 'Hz', low=0.0, high=1000.0),
+    Parameter('sensors.rate', 50.0,
+              'How often to ask a titan_m for what its sensors measure; 0 is never.', 'Hz',
+              low=0.0, high=1000.0),
+    Parameter('gps.rate', 10.0, 'How often to ask a titan_m for its GPS position; 0 is never.',
+              'Hz', low=0.0, high=1000.0),
+    Parameter('gps.week', 0,
+              'GPS week since 1980 in which the driver is started: time_reference is then UTC. 0 '
+              'is unknown: it is the time of week.', low=0, high=3000),
+    Parameter('gps.leap_seconds', 18, 'GPS time less UTC, for gps.week.', 's', low=0, high=100),
+    Parameter('gps.geoid_height', 0.0,
+              'Added to the altitude of fix: height of the geoid above the ellipsoid, if the '
+              'device gives altitudes above mean sea level, which its document does not say.', 'm',
+              low=-200.0, high=200.0),
+    Parameter('request.pipelined', False,
+              'Whether one request of each kind may be under way at once, rather than one at all: '
+              'for adapters that hold bytes back, if the device can take it.'),
+    Parameter('request.timeout', 0.2,
+              'How long to wait for an answer at most. Less, once it is known how long answers '
+              'take.', 's', low=0.01, high=5.0),
+    Parameter('request.retries', 1, 'How often to repeat a request that is not answered.',
+              low=0, high=10),
+    Parameter('request.message_id', 'zero',
+              'Message id of requests: zero, byte for byte as in the protocol document, or '
+              'counted, which lets late answers be told if the device sends ids back.',
+              choices=('zero', 'counted')),
+    Parameter('payload_order', 'auto',
+              'Byte order of what a titan_m answers: auto tells by what its values can be, and '
+              'holds answers until it knows.', choices=('auto', 'little', 'big')),
+    Parameter('checksum_order', 'auto',
+              'Byte order of the checksums of a titan_m: auto takes either in answers, and in '
+              'requests tries big, as printed in the protocol document, then little.',
+              choices=('auto', 'little', 'big')),
     Parameter('integrity.risk_policy', 'inflate',
               'What becomes of a signal at integrity risk: inflate publishes it with a larger '
               'variance, withhold treats it as unavailable, pass publishes it as it is.',
@@ -145,8 +205,9 @@ PARAMETERS = (
               'rather than with bahrs_driver, to tell several drivers apart.'),
     Parameter('time.source', 'device',
               'What stamps are made of: device puts device time on ROS time from when samples '
-              'arrive, sync_pulse does so with the help of sync pulses, arrival is the time of '
-              'arrival, for comparison.', choices=('device', 'sync_pulse', 'arrival')),
+              'arrive (a titan_m has none: the middle of request and answer), sync_pulse does so '
+              'with the help of sync pulses, arrival is the time of arrival, for comparison.',
+              choices=('device', 'sync_pulse', 'arrival')),
     Parameter('time.label', 'auto',
               'Which sample a time message names: next is the one after the sample that it is '
               'about, as devices do, same is that sample, as the protocol document says.',

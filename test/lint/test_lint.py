@@ -12,8 +12,8 @@ from ament_pep257.main import main as pep257
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = [str(ROOT / name)
            for name in ('bahrs_driver', 'bench', 'launch', 'test', 'tools', 'setup.py')]
-STRICT = ('protocol', 'clock', 'convert', 'link.py', 'receiver.py', 'emulator', 'recording',
-          'cli')
+STRICT = ('protocol', 'clock', 'convert', 'link.py', 'receiver.py', 'requester.py', 'emulator',
+          'recording', 'cli')
 
 
 def test_flake8():

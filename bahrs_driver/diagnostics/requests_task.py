@@ -1,0 +1,66 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Task *Requests*: whether a device that is asked answers."""
+
+from collections.abc import Mapping
+
+from bahrs_driver.diagnostics.task import ERROR, OK, Verdict, WARN
+from bahrs_driver.diagnostics.window import Window
+from bahrs_driver.protocol.poller import Poller, UNANSWERED
+from bahrs_driver.protocol.titan_m import REQUESTS
+
+SLOW_NS = 10_000_000        # from a request to its answer, beyond their time on the line
+
+
+class RequestsTask:
+    """Shows the counters of a poller."""
+
+    name = 'Requests'
+
+    def __init__(self, poller: Poller) -> None:
+        """Watch a poller."""
+        self._poller = poller
+        self._window = Window(lambda: (
+            poller.answered.total(), poller.unanswered.total(), poller.unexpected.total(),
+            poller.skipped))
+
+    def judge(self, now: float) -> Verdict:
+        """Return how the last second went."""
+        _, (answered, unanswered, unexpected, skipped) = self._window.growth(now)
+        if unanswered >= UNANSWERED and not answered:
+            return Verdict(ERROR, 'No request is answered: is the device a titan_m, powered, and '
+                                  'is its receiving line connected?')
+        if skipped:
+            return Verdict(WARN, 'Line, device or host is too slow for the rates asked for: '
+                           + ('set the latency timer of the adapter to 1 ms, or '
+                              'request.pipelined' if self._slow else
+                              'lower state.rate, gps.rate or sensors.rate'))
+        if unanswered:
+            return Verdict(WARN, f'{unanswered} requests without an answer just now')
+        if unexpected:
+            return Verdict(WARN, f'{unexpected} answers that came too late or twice just now')
+        return Verdict(OK, 'All requests answered' if answered else 'Nothing answered yet')
+
+    def values(self, now: float) -> Mapping[str, str]:
+        """Return what was counted since the start, and what was learnt."""
+        poller = self._poller
+        slowest = poller.slowest
+        found = {}
+        for kind in REQUESTS:
+            name = kind.ANSWER.NAME
+            found[f'{name} requests'] = str(poller.requests[kind])
+            found[f'{name} answered'] = str(poller.answered[kind])
+            found[f'{name} unanswered'] = str(poller.unanswered[kind])
+            found[f'{name} given up'] = str(poller.lost[kind])
+            found[f'{name} too late or twice'] = str(poller.unexpected[kind])
+        return {
+            **found,
+            'Turns left out': str(poller.skipped),
+            'Slowest answer [ms]': 'unknown' if slowest is None else f'{slowest / 1e6:.1f}',
+            'Checksum byte order of requests': poller.checksum_order,
+            'Message ids come back': 'yes' if poller.returns_ids else 'not seen',
+        }
+
+    @property
+    def _slow(self) -> bool:
+        return (self._poller.slowest or 0) > SLOW_NS

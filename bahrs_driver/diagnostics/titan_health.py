@@ -1,0 +1,67 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The tasks that are about a Titan-M and its answers."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from bahrs_driver.diagnostics.losses import RequestLosses
+from bahrs_driver.diagnostics.rates_task import RatesTask
+from bahrs_driver.diagnostics.requests_task import RequestsTask
+from bahrs_driver.diagnostics.task import OK, Task, Verdict, WARN
+from bahrs_driver.protocol.payload_order import PayloadReader
+from bahrs_driver.protocol.poller import Poller
+
+
+class TitanDeviceTask:
+    """Task *Device*: what the answers say of the device."""
+
+    name = 'Device'
+
+    def __init__(self, reader: PayloadReader[int], gps: Callable[[], str]) -> None:
+        """Take who knows the byte order, and who knows the fix, in words."""
+        self._reader = reader
+        self._gps = gps
+
+    def judge(self, now: float) -> Verdict:
+        """Return whether answers can be read, and say anything."""
+        reader, gps = self._reader, self._gps()
+        if reader.held:
+            return Verdict(WARN, f'The byte order of payloads is not known yet, {reader.held} '
+                                 'answers wait for it: payload_order would tell it')
+        if reader.doubted:
+            return Verdict(WARN, f'Answers are read as {reader.order}-endian and make no sense: '
+                                 'is payload_order right?')
+        return Verdict(WARN if gps == 'no fix' else OK, f'GPS: {gps}')
+
+    def values(self, now: float) -> Mapping[str, str]:
+        """Return what is known."""
+        reader = self._reader
+        return {'Payload byte order': reader.order or 'not known yet', 'GPS': self._gps(),
+                'Answers held': str(reader.held),
+                'Answers dropped unread': str(reader.given_up)}
+
+
+class TitanHealth:
+    """Watches the answers of a Titan-M."""
+
+    def __init__(self, rates: Mapping[str, float], tolerance: float, stale_timeout: float,
+                 poller: Poller, reader: PayloadReader[int], gps: Callable[[], str]) -> None:
+        """Take the rates of the answers by name, and who knows about them."""
+        self._rates = RatesTask(
+            rates, tolerance, stale_timeout,
+            RequestLosses(lambda: {kind.ANSWER.NAME: lost for kind, lost in poller.lost.items()}))
+        self.tasks: Sequence[Task] = (
+            self._rates, RequestsTask(poller), TitanDeviceTask(reader, gps))
+
+    def observe(self, message: Any, now: float) -> None:
+        """Take a message, received at a time in seconds (monotonic)."""
+        self._rates.observe(message, now)
+
+    def opened(self) -> None:
+        """Take note that another stream begins."""
+        self._rates.restart()
+
+    def hardware_id(self) -> str:
+        """Return nothing: the device has no name for itself."""
+        return ''

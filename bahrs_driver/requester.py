@@ -1,0 +1,104 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Carries on a conversation with a device that speaks only when it is asked.
+
+A thread of its own writes the requests when they are due, and sleeps in between. The receiver's
+thread hands in the frames that come, as to any codec, and gets answers that say when they were
+asked for. What to say, and when, is the conversation's business.
+"""
+
+from collections.abc import Collection
+import contextlib
+import threading
+from typing import Any, Protocol
+
+from bahrs_driver.clock import NANOSECONDS
+from bahrs_driver.link import Link, LinkError, now
+from bahrs_driver.protocol.framing import Frame
+
+
+class Conversation(Protocol):
+    """What to ask a device, and when. Times are of the host's raw clock, in ns."""
+
+    def begin(self, now: int, byte_time: int) -> None:
+        """Take note that the line is open, and of how long a byte takes on it."""
+
+    def end(self) -> None:
+        """Take note that the line is gone."""
+
+    def due(self, now: int) -> int | None:
+        """Return when to call send(); None is when an answer has come, or never."""
+
+    def send(self, now: int) -> bytes:
+        """Return what to send now, if anything."""
+
+    def receive(self, frame: Frame, now: int) -> Any:
+        """Take a frame that has come, and return its message."""
+
+    def expected(self) -> Collection[Any]:
+        """Return what is waited for."""
+
+
+class Requester:
+    """Lets a conversation use a link that somebody else reads."""
+
+    def __init__(self, link: Link, conversation: Conversation) -> None:
+        """Take the parts; run() begins."""
+        self._link = link
+        self._conversation = conversation
+        self._changed = threading.Condition()
+        self._stopping = False
+
+    def opened(self) -> None:
+        """Take note that the link is open."""
+        with self._changed:
+            self._conversation.begin(_raw_time(), self._link.byte_time_ns)
+            self._changed.notify()
+
+    def lost(self) -> None:
+        """Take note that the link is gone."""
+        with self._changed:
+            self._conversation.end()
+
+    def decode(self, frame: Frame) -> Any:
+        """Return the message of a frame that has come."""
+        with self._changed:
+            message = self._conversation.receive(frame, _raw_time())
+            self._changed.notify()
+            return message
+
+    def expected(self) -> Collection[Any]:
+        """Return what is waited for."""
+        with self._changed:
+            return self._conversation.expected()
+
+    def run(self) -> None:
+        """Write what is due, until stopped."""
+        while data := self._next():
+            # Outside the lock: a line that takes no data must not hold up the reader. A link that
+            # is lost is told by its reader, and a request that is lost is asked for again.
+            with contextlib.suppress(LinkError):
+                self._link.write(data)
+
+    def stop(self) -> None:
+        """Make run() return soon. To be called from another thread."""
+        with self._changed:
+            self._stopping = True
+            self._changed.notify()
+
+    def _next(self) -> bytes:
+        """Sleep until something is to be sent; empty when stopped."""
+        with self._changed:
+            while not self._stopping:
+                data = self._conversation.send(_raw_time())
+                if data:
+                    return data
+                present = _raw_time()
+                due = self._conversation.due(present)
+                self._changed.wait(None if due is None else max(0, due - present) / NANOSECONDS)
+            return b''
+
+
+def _raw_time() -> int:
+    return now().raw_ns
