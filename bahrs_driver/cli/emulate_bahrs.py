@@ -1,0 +1,108 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""`bahrs emulate --sensor bahrs`: the options of an emulated BAHRS."""
+
+import argparse
+
+from bahrs_driver.cli.arguments import a_number, checked, opened
+from bahrs_driver.emulator.bahrs_device import BahrsDevice, BahrsHabits, START_UPS
+from bahrs_driver.emulator.bahrs_diagnostics import INACTIVITY, ServiceHabits
+from bahrs_driver.emulator.device_clock import DeviceClock
+from bahrs_driver.emulator.motion import Motion
+from bahrs_driver.emulator.noise import Noise
+from bahrs_driver.emulator.nvm_image import made_up_image, SIZE
+from bahrs_driver.emulator.pulses import Pulses
+from bahrs_driver.emulator.texts import whole
+from bahrs_driver.emulator.truth_file import HostTime
+from bahrs_driver.protocol.bahrs import VERSIONS
+from bahrs_driver.protocol.nvm import PAGES
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the options."""
+    _add_device(parser)
+    _add_service(parser)
+
+
+def make_device(options: argparse.Namespace, motion: Motion, noise: Noise,
+                zero: HostTime) -> BahrsDevice:
+    """Return the device that the options describe, on a host whose clocks are so at time 0."""
+    habits = BahrsHabits(
+        options.protocol_version, options.crc, options.time_label, options.start_up,
+        options.debug_rate, options.output_delay / 1000, _service(options))
+    clock = DeviceClock(options.seed, options.drift_ppm, options.wander_ppm, options.clock_start)
+    pulses = Pulses(options.sync_pulse_rate, origin=-(zero.unix_ns % 10 ** 9) / 1e9)
+    return BahrsDevice(habits, motion, noise, clock, pulses)
+
+
+def _add_device(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group('device: bahrs')
+    group.add_argument('--protocol-version', type=int, choices=VERSIONS, default=3,
+                       help='of the protocol that it speaks (default: %(default)s)')
+    group.add_argument('--crc', choices=('word', 'byte'), default='word',
+                       help='how the CRC takes the bytes: as 32-bit words, as real devices do, '
+                            'or one by one, as the document says (default: %(default)s)')
+    group.add_argument('--time-label', choices=('next', 'same'), default='next',
+                       help='whether time messages name the sample after the one that they are '
+                            'about, as real devices do, or that one (default: %(default)s)')
+    group.add_argument('--start-up', choices=tuple(START_UPS), default='prompt',
+                       help='first sample 0.6 s after power-on, or 2.6 s and then 2.7 s of '
+                            'silence, as in a recording (default: %(default)s)')
+    group.add_argument('--drift-ppm', type=a_number('a drift', -1e5, 1e5), default=0.0,
+                       metavar='PPM', help='how much too fast its clock is (default: 0)')
+    group.add_argument('--wander-ppm', type=a_number('a wander', 0, 1e3), default=0.0,
+                       metavar='PPM', help='random walk of the drift, per square root of a '
+                                           'second (default: 0)')
+    group.add_argument('--clock-start', type=checked(_device_time), default=0, metavar='US',
+                       help='device time at power-on, in microseconds (default: 0)')
+    group.add_argument('--sync-pulse-rate', type=a_number('a rate', 0, 1000), default=0.0,
+                       metavar='HZ', help='pulses at whole multiples of the period in UNIX time; '
+                       'the device ignores what comes sooner than 90 ms (default: 0, none)')
+    group.add_argument('--debug-rate', type=a_number('a rate', 0, 200), default=0.0, metavar='HZ',
+                       help='of the undocumented messages 0xC0 and 0xC1 (default: 0, none)')
+    group.add_argument('--output-delay', type=a_number('a delay', 0, 1000), default=0.0,
+                       metavar='MS', help='from a sample to the first byte that tells of it, in '
+                                          'milliseconds (default: 0)')
+
+
+def _add_service(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group('diagnostics mode: bahrs')
+    group.add_argument('--nvm', type=checked(_image), metavar='FILE',
+                       help=f'image of the memory, {SIZE:,} bytes (default: one made up)')
+    group.add_argument('--nvm-window', choices=('always', 'power-on'), default='always',
+                       help='when the device lets a host in: always, or in the first 0.5 s after '
+                            'power-on, as known firmware does (default: %(default)s)')
+    group.add_argument('--nvm-error-pages', type=checked(_pages), default=frozenset(),
+                       metavar='PAGE[,PAGE...]', help='pages that cannot be read (default: none)')
+    group.add_argument('--nvm-timeout', type=a_number('a time-out'), default=INACTIVITY,
+                       metavar='SECONDS', help='after how long without a request the device '
+                       'leaves by itself (default: %(default)g)')
+    group.add_argument('--service-crc', choices=('crc32', 'mpeg2'), default='crc32',
+                       help="CRC of service frames: CRC-32, as the maker's tool has it, or "
+                            'CRC-32/MPEG-2, as the document says (default: %(default)s)')
+    group.add_argument('--service-padding', choices=('no', 'yes'), default='no',
+                       help="whether 0xF0 and 0xF1 must be padded: no, as the maker's tool sends "
+                            'them, or yes, as the document says (default: %(default)s)')
+
+
+def _service(options: argparse.Namespace) -> ServiceHabits:
+    return ServiceHabits(
+        'crc32' if options.service_crc == 'crc32' else 'byte', options.service_padding == 'yes',
+        options.nvm_window, options.nvm_error_pages, options.nvm or made_up_image(),
+        options.nvm_timeout)
+
+
+def _device_time(text: str) -> int:
+    return whole(text, 'the device time', 0, 2 ** 62)
+
+
+def _pages(text: str) -> frozenset[int]:
+    return frozenset(whole(word, 'a page', 0, PAGES - 1) for word in text.split(','))
+
+
+def _image(name: str) -> bytes:
+    with opened(name, 'rb') as file:
+        image: bytes = file.read()
+    if len(image) != SIZE:
+        raise ValueError(f'{name} has {len(image):,} bytes: an image has {SIZE:,}')
+    return image

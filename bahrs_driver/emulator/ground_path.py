@@ -1,0 +1,84 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Where a motion leads: its velocity, integrated over the WGS 84 ellipsoid.
+
+Latitude and longitude change as the velocity north and east says at that latitude and height;
+beside them the plain integrals of the velocity are kept, which is how a device counts from where
+it began. A fourth-order Runge-Kutta method with steps of a twentieth of a second is exact to far
+below a millimetre for motions as smooth as ours.
+"""
+
+import math
+from typing import NamedTuple
+
+from bahrs_driver.emulator.motion import Motion, Truth
+
+SEMI_MAJOR = 6_378_137.0                    # m
+FLATTENING = 1 / 298.257223563
+ECCENTRICITY_SQUARED = FLATTENING * (2 - FLATTENING)
+STEP = 0.05                                 # s
+
+_Point = tuple[float, float, float, float]  # latitude, longitude (rad), north, east (m)
+
+
+class Place(NamedTuple):
+    """Degrees, north and east positive; m above the ellipsoid."""
+
+    latitude: float
+    longitude: float
+    altitude: float
+
+
+class GroundPath:
+    """The path of a motion over the ground."""
+
+    def __init__(self, motion: Motion, latitude: float, longitude: float) -> None:
+        """Begin at a latitude and longitude in degrees, at time 0."""
+        self._motion = motion
+        self._points: list[_Point] = [(math.radians(latitude), math.radians(longitude), 0.0, 0.0)]
+
+    def at(self, time: float) -> tuple[Truth, Place, tuple[float, float]]:
+        """
+        Return what is so at a time in seconds, where, and how far north and east of the start (m).
+
+        The height of the motion is taken for the altitude.
+        """
+        index = int(time / STEP)
+        while len(self._points) <= index:
+            begin = STEP * (len(self._points) - 1)
+            self._points.append(self._moved(self._points[-1], begin, STEP))
+        latitude, longitude, north, east = self._moved(
+            self._points[index], STEP * index, time - STEP * index)
+        truth = self._motion.at(time)
+        return truth, Place(
+            math.degrees(latitude), math.remainder(math.degrees(longitude), 360.0),
+            truth.pressure_height), (north, east)
+
+    def _moved(self, point: _Point, time: float, span: float) -> _Point:
+        """Return a point, of a time, some seconds later."""
+        middle = self._motion.at(time + span / 2)
+        first = _rates(point, self._motion.at(time))
+        second = _rates(_along(point, first, span / 2), middle)
+        third = _rates(_along(point, second, span / 2), middle)
+        fourth = _rates(_along(point, third, span), self._motion.at(time + span))
+        a, b, c, d = ((p + 2 * q + 2 * r + s) / 6
+                      for p, q, r, s in zip(first, second, third, fourth))
+        return _along(point, (a, b, c, d), span)
+
+
+def _along(point: _Point, rates: _Point, span: float) -> _Point:
+    a, b, c, d = (value + rate * span for value, rate in zip(point, rates))
+    return a, b, c, d
+
+
+def _rates(point: _Point, truth: Truth) -> _Point:
+    """Return how fast a point moves."""
+    sine = math.sin(point[0])
+    square = 1 - ECCENTRICITY_SQUARED * sine * sine
+    across = SEMI_MAJOR / math.sqrt(square)             # radius of curvature, east and west
+    along = across * (1 - ECCENTRICITY_SQUARED) / square        # north and south
+    north, east, _ = truth.velocity
+    height = truth.pressure_height
+    return (north / (along + height), east / ((across + height) * math.cos(point[0])),
+            north, east)
