@@ -11,7 +11,9 @@ import os
 import time
 from typing import Any
 
-from bahrs_driver.convert.bahrs import LATCHED, TOPICS
+from bahrs_driver.convert.bahrs import LATCHED, TOPICS as BAHRS_TOPICS
+from bahrs_driver.convert.covariance import UNKNOWN_VARIANCE
+from bahrs_driver.convert.titan_m import TOPICS as TITAN_TOPICS
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 import rclpy
 from rclpy.executors import ExternalShutdownException
@@ -23,6 +25,7 @@ from rich.table import Table
 
 RATE_WINDOW = 2.0           # s over which a rate is measured
 REFRESH = 0.25              # s
+TOPICS = {**BAHRS_TOPICS, **TITAN_TOPICS}
 
 _EXAMPLES = """examples:
   bahrs monitor                   until Ctrl-C
@@ -118,6 +121,8 @@ class Watch:
         """Return the present state."""
         topics = Table('Topic', 'Hz', 'Count', 'Latest (SI)', box=None, pad_edge=False)
         for name, tally in self._tallies.items():
+            if not tally.count and not self._node.count_publishers(name):
+                continue        # of another device
             topics.add_row(name, f'{tally.rate():.1f}', f'{tally.count:,}', tally.value)
         health = Table('Task', 'Level', 'Message', box=None, pad_edge=False)
         for name, status in self._health.items():
@@ -159,6 +164,23 @@ def _field(message: Any) -> str:
     return f'{field.x * 1e6:+.1f} {field.y * 1e6:+.1f} {field.z * 1e6:+.1f} µT'
 
 
+def _velocity(message: Any) -> str:
+    velocity, known = message.twist.twist.linear, message.twist.covariance[0] < UNKNOWN_VARIANCE
+    across = f'x {velocity.x:+.2f} y {velocity.y:+.2f} ' if known else ''
+    return f'{across}z {velocity.z:+.2f} m/s'
+
+
+def _position(fix: Any) -> str:
+    if fix.status.status < 0:
+        return 'no fix'
+    return f'{fix.latitude:+.7f}° {fix.longitude:+.7f}° {fix.altitude:.1f} m'
+
+
+def _odometry(message: Any) -> str:
+    position = message.pose.pose.position
+    return f'x {position.x:+.1f} y {position.y:+.1f} z {position.z:+.1f} m'
+
+
 def _integrity(notice: Any) -> str:
     troubled = [f'{status.name} {status.message}' for status in notice.status
                 if status.level != DiagnosticStatus.OK]
@@ -167,7 +189,8 @@ def _integrity(notice: Any) -> str:
 
 def _device_time(reference: Any) -> str:
     time = reference.time_ref
-    return f'device time {time.sec + time.nanosec * 1e-9:.6f} s'
+    clock = 'GPS' if reference.source == 'gps' else 'device'
+    return f'{clock} time {time.sec + time.nanosec * 1e-9:.6f} s'
 
 
 _FORMATS: dict[str, Callable[[Any], str]] = {
@@ -177,7 +200,11 @@ _FORMATS: dict[str, Callable[[Any], str]] = {
     'static_pressure': lambda message: f'{message.fluid_pressure / 100:.2f} hPa',
     'pressure_altitude': lambda message: f'{message.altitude:.1f} m',
     'altitude/pose': lambda message: f'z {message.pose.pose.position.z:+.1f} m',
-    'velocity': lambda message: f'z {message.twist.twist.linear.z:+.2f} m/s',
+    'velocity': _velocity,
+    'differential_pressure': lambda message: f'{message.fluid_pressure:.1f} Pa',
+    'temperature': lambda message: f'{message.temperature:.1f} °C',
+    'fix': _position,
+    'odometry': _odometry,
     'heading': lambda message: 'unavailable' if math.isnan(message.data)
     else f'{message.data:.1f}°',
     'integrity': _integrity,

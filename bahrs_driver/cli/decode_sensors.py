@@ -1,0 +1,118 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""How the bytes of each sensor are decoded, for the verbs that work on recordings."""
+
+import argparse
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, Protocol
+
+from bahrs_driver.protocol.bahrs import MESSAGES
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat, frame_version
+from bahrs_driver.protocol.framing import Frame, Framer
+from bahrs_driver.protocol.payload_order import PayloadReader
+from bahrs_driver.protocol.titan_frames import answer_of, AnswerFormat, message_id
+from bahrs_driver.protocol.titan_m import ANSWERS
+
+
+class Decoder(Protocol):
+    """Finds the messages of one kind of device in a stream of bytes."""
+
+    framer: Framer
+    kinds: Sequence[type[Any]]          # of messages
+    head: Sequence[str]                 # names that about() has
+
+    def messages(self, frames: Iterable[Frame]) -> Iterable[tuple[Frame, Any]]:
+        """Return the messages that frames complete, in the order of the stream."""
+
+    def about(self, frame: Frame) -> dict[str, Any]:
+        """Return what a frame says beside its message."""
+
+    def detected(self) -> list[tuple[str, object]]:
+        """Return what was found out of the device's protocol, by name."""
+
+    def complaint(self) -> str:
+        """Return what could not be decoded and why, at the end; empty if there is nothing."""
+
+
+class BahrsDecoder:
+    """Finds the messages of a BAHRS."""
+
+    kinds = MESSAGES
+    head = ('version',)
+
+    def __init__(self, options: argparse.Namespace) -> None:
+        """Take the options of the command line."""
+        self._format = BahrsFormat(options.crc)
+        self._codec = BahrsCodec(options.pressure_height)
+        self.framer = Framer(self._format)
+
+    def messages(self, frames: Iterable[Frame]) -> Iterable[tuple[Frame, Any]]:
+        """Return the messages that frames complete, in the order of the stream."""
+        return ((frame, self._codec.decode(frame)) for frame in frames)
+
+    def about(self, frame: Frame) -> dict[str, Any]:
+        """Return the version of the protocol."""
+        return {'version': frame_version(frame.data)}
+
+    def detected(self) -> list[tuple[str, object]]:
+        """Return what was found out of the device's protocol, by name."""
+        return [('protocol version', self._format.version_seen),
+                ('CRC order', self._format.order_seen)]
+
+    def complaint(self) -> str:
+        """Return nothing: all that is intact is decoded."""
+        return ''
+
+
+class TitanDecoder:
+    """Finds the answers of a Titan-M; its protocol has no version."""
+
+    kinds = ANSWERS
+    head = ('version', 'message_id')
+
+    def __init__(self, options: argparse.Namespace) -> None:
+        """Take the options of the command line."""
+        self._format = AnswerFormat(options.checksum_order)
+        self._reader = PayloadReader[Frame](options.payload_order, most_held=None)
+        self.framer = Framer(self._format)
+
+    def messages(self, frames: Iterable[Frame]) -> Iterable[tuple[Frame, Any]]:
+        """Return the messages that can be read by now, in the order of the stream."""
+        for frame in frames:
+            answer = answer_of(frame)
+            for message, found in self._reader.read(answer.kind, answer.payload, frame):
+                yield found, message
+
+    def about(self, frame: Frame) -> dict[str, Any]:
+        """Return no version, and the id that the answer came with."""
+        return {'version': None, 'message_id': message_id(frame)}
+
+    def detected(self) -> list[tuple[str, object]]:
+        """Return what was found out of the device's protocol, by name."""
+        return [('payload byte order', self._reader.order),
+                ('checksum byte order', self._format.checksum_order.seen)]
+
+    def complaint(self) -> str:
+        """Return whether answers could not be read, as nothing tells their byte order."""
+        if not self._reader.held:
+            return ''
+        return (f'{self._reader.held} answers are not decoded, for nothing in them tells their '
+                'byte order: say --payload-order little or --payload-order big')
+
+
+DECODERS: dict[str, Callable[[argparse.Namespace], Decoder]] = {
+    'bahrs': BahrsDecoder, 'titan_m': TitanDecoder}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the options that tell what is in a recording."""
+    parser.add_argument('--sensor', choices=tuple(DECODERS), default='bahrs',
+                        help='which device sent it (default: %(default)s)')
+    parser.add_argument('--crc', choices=('auto', 'word', 'byte'), default='auto',
+                        help='bahrs: order of the CRC (default: %(default)s)')
+    parser.add_argument('--pressure-height', choices=('uint16', 'int16'), default='uint16',
+                        help='bahrs: format of the pressure height (default: %(default)s)')
+    parser.add_argument('--payload-order', choices=('auto', 'little', 'big'), default='auto',
+                        help='titan_m: byte order of payloads (default: %(default)s)')
+    parser.add_argument('--checksum-order', choices=('auto', 'little', 'big'), default='auto',
+                        help='titan_m: byte order of checksums (default: %(default)s)')
