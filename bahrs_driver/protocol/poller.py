@@ -118,8 +118,13 @@ class Poller:
         return self._schedule.skipped
 
     @property
+    def lost_by_name(self) -> dict[str, int]:
+        """Return how many of each answer never came, by its name."""
+        return {kind.ANSWER.NAME: count for kind, count in self.lost.items()}
+
+    @property
     def slowest(self) -> int | None:
-        """Return how long the slowest answer took of late beyond its time on the line, if known."""
+        """Return what the slowest answer of late took beyond its time on the line, if known."""
         return max(self._delays) if len(self._delays) >= FEW_MEASURED else None
 
     @property

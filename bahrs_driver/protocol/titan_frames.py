@@ -105,6 +105,14 @@ def answer_of(frame: Frame) -> Answer:
     return Answer(KIND_BY_SIZE[len(data)], data[_MESSAGE_ID], data[HEADER_SIZE:-CHECKSUM_SIZE])
 
 
+class AnswerCodec:
+    """Takes answers as they come, for recordings, and where somebody else asks."""
+
+    def decode(self, frame: Frame) -> Answer:
+        """Return which answer an intact frame is, and what it holds."""
+        return answer_of(frame)
+
+
 def message_id(frame: Frame) -> int:
     """Return the message id of an intact frame."""
     return frame.data[_MESSAGE_ID]
@@ -183,9 +191,7 @@ class AnswerFormat:
         """Return the sizes that an answer with this header may have."""
         length = header[_LENGTH] if len(header) == HEADER_SIZE else 0
         kinds = KINDS_BY_LENGTH.get(length, [])
-        if len(kinds) > 1 and self.tells_apart:
-            kinds = [Gps]
-        elif len(kinds) > 1 and self.expected is not None:
+        if len(kinds) > 1 and self.expected is not None and not self.tells_apart:
             kinds = [kind for kind in kinds if kind in self.expected()] or kinds
         return tuple(answer_size(kind) for kind in kinds)
 

@@ -1,0 +1,220 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of what the answers of a Titan-M become, with literal values."""
+
+from dataclasses import replace
+import math
+
+from bahrs_driver.convert.axes import CONVENTIONS
+from bahrs_driver.convert.titan_m import (
+    TitanConverter, TitanDeviations, TitanOptions, TOGETHER_NS, TOPICS,
+)
+from bahrs_driver.protocol.payload_order import PayloadReader
+from bahrs_driver.protocol.titan_frames import Answer
+from bahrs_driver.protocol.titan_m import Gps, LAYOUTS, Sensors, State
+import pytest
+from sensor_msgs.msg import NavSatFix, NavSatStatus
+
+STAMP, MS = 1_700_000_000_123_456_789, 1_000_000
+NAN = math.nan
+STATE = State((100.0, 200.0, -50.0), (3.0, 4.0, -1.0), (0.0, 0.0, math.pi / 2), (0.1, 0.2, 0.3))
+GPS = Gps(1000.5, 500_000.0, 5_000_000.0, 600.0, (1.0, 2.0, 3.0), 90.0, 4.0, 3.0, 32, True)
+SENSORS = Sensors((1.0, 2.0, -9.8), (10.0, 20.0, 30.0), 31.5, (0.5, 0.25, -9.75),
+                  (0.125, -0.25, 0.5), 95_000.0, 125.0, (2e-5, 1e-5, 4e-5))
+DEVIATIONS = TitanDeviations(
+    force=0.1, rate=0.01, attitude=0.02, heading=0.05, velocity=0.2, position=2.0, altitude=4.0,
+    field=1e-6, static_pressure=10.0, differential_pressure=2.0, temperature=0.5)
+
+
+def converter(convention='enu', order='little', **options):
+    """Return a converter with literal options."""
+    return TitanConverter(replace(TitanOptions(
+        'imu', 'map', CONVENTIONS[convention], DEVIATIONS, declination=0.0, geoid_height=0.0,
+        gps_week=0, leap_seconds=18, state_is_asked=True, gps_is_asked=False), **options),
+        PayloadReader(order))
+
+
+def told(parts, message, stamp=STAMP, order='little', wanted=True):
+    """Return what an answer becomes, by topic."""
+    payload = LAYOUTS[type(message), order].encode(message)
+    out = list(parts.convert(Answer(type(message), 0, payload, wanted=wanted), stamp))
+    assert all(isinstance(ros, TOPICS[topic]) for topic, ros in out)
+    return dict(out)
+
+
+def xyz(vector):
+    """Return a vector as a tuple."""
+    return vector.x, vector.y, vector.z
+
+
+def test_sensors_in_ros_axes():
+    """Forward, left, up; the calibrated ones are kept for imu/data."""
+    out = told(converter(), SENSORS)
+    assert set(out) == {'imu/data_raw', 'imu/mag', 'static_pressure', 'differential_pressure',
+                        'temperature'}
+    raw = out['imu/data_raw']
+    assert raw.header.frame_id == 'imu' and raw.header.stamp.nanosec == 123_456_789
+    assert xyz(raw.linear_acceleration) == pytest.approx((1.0, -2.0, 9.8), abs=0.013)
+    assert xyz(raw.angular_velocity) == pytest.approx(
+        tuple(math.radians(x) for x in (10.0, -20.0, -30.0)), abs=7e-4)
+    assert raw.orientation_covariance[0] == -1
+    # Rounding to counts of 2.522 mG and 0.07326 degree/s is part of it.
+    assert raw.linear_acceleration_covariance[4] == pytest.approx(0.01 + 0.024732 ** 2 / 12, 1e-4)
+    assert raw.angular_velocity_covariance[8] == pytest.approx(
+        1e-4 + math.radians(0.07326) ** 2 / 12, 1e-4)
+    assert xyz(out['imu/mag'].magnetic_field) == pytest.approx((2e-5, -1e-5, -4e-5), abs=4e-9)
+    assert out['imu/mag'].magnetic_field_covariance[0] == pytest.approx(1e-12)
+    assert out['static_pressure'].fluid_pressure == 95_000.0
+    assert out['static_pressure'].variance == 100.0
+    assert out['differential_pressure'].fluid_pressure == 125.0
+    assert (out['temperature'].temperature, out['temperature'].variance) == (31.5, 0.25)
+
+
+def test_state_in_ros_axes():
+    """East, north, up; nose to the east is yaw 0; what moves with the body in its axes."""
+    out = told(converter(), STATE)
+    assert set(out) == {'imu/data', 'velocity', 'odometry', 'heading'}
+    assert out['heading'].data == pytest.approx(90.0)
+    assert out['velocity'].header.frame_id == 'map'
+    assert xyz(out['velocity'].twist.twist.linear) == (4.0, 3.0, 1.0)
+    assert out['velocity'].twist.covariance[0] == pytest.approx(0.04)
+    assert out['velocity'].twist.covariance[21] == 1e6
+    orientation = out['imu/data'].orientation
+    assert (orientation.w, *xyz(orientation)) == pytest.approx((1.0, 0.0, 0.0, 0.0), abs=1e-7)
+    assert out['imu/data'].orientation_covariance[0] == pytest.approx(4e-4)
+    assert out['imu/data'].orientation_covariance[8] == pytest.approx(25e-4)
+    # No sensor answer: neither is reported.
+    assert out['imu/data'].linear_acceleration_covariance[0] == -1
+    assert out['imu/data'].angular_velocity_covariance[0] == -1
+    odometry = out['odometry']
+    assert (odometry.header.frame_id, odometry.child_frame_id) == ('map', 'imu')
+    assert xyz(odometry.pose.pose.position) == (200.0, 100.0, 50.0)
+    assert xyz(odometry.twist.twist.linear) == pytest.approx((4.0, 3.0, 1.0), abs=1e-6)
+    assert xyz(odometry.twist.twist.angular) == pytest.approx((0.1, -0.2, -0.3), abs=1e-7)
+    assert odometry.pose.covariance[14] == 16.0 and odometry.pose.covariance[35] \
+        == pytest.approx(25e-4)
+
+
+def test_ned_is_as_the_device_has_it():
+    """North, east, down; forward, right, down."""
+    parts = converter('ned')
+    assert xyz(told(parts, SENSORS)['imu/mag'].magnetic_field)[2] > 0
+    out = told(parts, STATE)
+    assert xyz(out['imu/data'].linear_acceleration) == (0.5, 0.25, -9.75)
+    assert xyz(out['odometry'].pose.pose.position) == (100.0, 200.0, -50.0)
+    assert xyz(out['odometry'].twist.twist.linear) == pytest.approx((4.0, -3.0, -1.0), abs=1e-6)
+
+
+@pytest.mark.parametrize('later, joined', [(6 * MS, True), (TOGETHER_NS + MS, False)])
+def test_force_and_rate_are_those_of_the_sensor_answer_just_before(later, joined):
+    """Of one that is older nothing is said."""
+    parts = converter()
+    told(parts, SENSORS)
+    imu = told(parts, STATE, STAMP + later)['imu/data']
+    assert imu.header.stamp.nanosec == 123_456_789 + later
+    if joined:
+        assert xyz(imu.linear_acceleration) == (0.5, -0.25, 9.75)
+        assert xyz(imu.angular_velocity) == (0.125, 0.25, -0.5)
+        assert imu.linear_acceleration_covariance[0] == pytest.approx(0.01)
+    else:
+        assert imu.linear_acceleration_covariance[0] == imu.angular_velocity_covariance[0] == -1
+
+
+def test_fix():
+    """On the central meridian of zone 32, with assumed deviations."""
+    out = told(converter(), GPS)
+    fix = out['fix']
+    assert fix.longitude == pytest.approx(9.0) and fix.latitude == pytest.approx(45.15, abs=0.05)
+    assert fix.altitude == 600.0 and fix.status.status == NavSatStatus.STATUS_FIX
+    assert list(fix.position_covariance[::4]) == [4.0, 4.0, 16.0]
+    assert fix.position_covariance_type == NavSatFix.COVARIANCE_TYPE_APPROXIMATED
+    assert out['time_reference'].source == 'gps'
+    assert (out['time_reference'].time_ref.sec, out['time_reference'].time_ref.nanosec) == (
+        1000, 500_000_000)
+    assert 'velocity' not in out                # that of the state is better
+    assert told(converter(geoid_height=47.5), GPS)['fix'].altitude == 647.5
+
+
+@pytest.mark.parametrize('zone', [0, 61, 255])
+def test_an_invalid_zone_is_no_fix(zone):
+    """With no position that anybody could take for one."""
+    parts = converter(state_is_asked=False)
+    out = told(parts, replace(GPS, zone=zone))
+    assert set(out) == {'fix', 'time_reference'}
+    assert out['fix'].status.status == NavSatStatus.STATUS_NO_FIX
+    assert math.isnan(out['fix'].latitude) and math.isnan(out['fix'].altitude)
+    assert out['fix'].position_covariance_type == NavSatFix.COVARIANCE_TYPE_UNKNOWN
+    assert parts.gps_text == 'no fix'
+    told(parts, replace(GPS, northern=False))
+    assert parts.gps_text == 'fix in zone 32 south'
+
+
+def test_velocity_of_the_gps_where_the_state_is_not_asked_for():
+    """Centimetres a second are enough then."""
+    out = told(converter(state_is_asked=False), GPS)
+    assert xyz(out['velocity'].twist.twist.linear) == (2.0, 1.0, -3.0)
+
+
+def test_odometry_begins_with_the_first_fix():
+    """Before, the position is relative to nothing; without GPS nobody can tell."""
+    parts = converter(gps_is_asked=True)
+    assert 'odometry' not in told(parts, STATE)
+    told(parts, replace(GPS, zone=0))
+    assert 'odometry' not in told(parts, STATE)
+    told(parts, GPS)
+    assert 'odometry' in told(parts, STATE)
+    parts.lost(STAMP)
+    assert 'odometry' not in told(parts, STATE)
+
+
+def test_gps_time_that_is_unknown_is_not_told():
+    """Zero without a fix."""
+    assert set(told(converter(), replace(GPS, gps_time_s=0.0, zone=0))) == {'fix'}
+
+
+def test_utc_if_the_week_is_known():
+    """GPS week 2300 is in the year 2024."""
+    reference = told(converter(gps_week=2300), GPS)['time_reference']
+    assert reference.time_ref.sec == 315_964_800 + 2300 * 604_800 + 1000 - 18
+
+
+def test_what_is_no_number_is_not_reported():
+    """Neither an attitude, nor a velocity, nor a force."""
+    parts = converter()
+    told(parts, replace(SENSORS, acceleration=(NAN, 0.0, 0.0)))
+    out = told(parts, replace(STATE, attitude=(NAN, 0.0, 0.0), velocity_ned=(0.0, NAN, 0.0)))
+    assert set(out) == {'imu/data', 'heading'}
+    assert math.isnan(out['heading'].data)
+    assert out['imu/data'].orientation_covariance[0] == -1
+    assert out['imu/data'].linear_acceleration_covariance[0] == -1
+    assert out['imu/data'].angular_velocity_covariance[0] == pytest.approx(1e-4)
+    assert set(told(parts, replace(SENSORS, magnetic_field_tesla=(0.0,) * 3,
+                                   absolute_pressure=0.0))) == {
+        'imu/data_raw', 'differential_pressure', 'temperature'}
+
+
+def test_declination_turns_yaw_and_not_the_heading():
+    """Ten degrees east."""
+    out = told(converter(declination=math.radians(10.0)), STATE)
+    assert out['heading'].data == pytest.approx(90.0)
+    yaw = 2 * math.atan2(out['imu/data'].orientation.z, out['imu/data'].orientation.w)
+    assert math.degrees(yaw) == pytest.approx(-10.0, abs=1e-5)
+
+
+def test_answers_wait_for_their_byte_order():
+    """And come under the stamps that they had."""
+    parts = converter(order='auto')
+    nothing = State(*[(0.0,) * 3] * 4)
+    assert told(parts, nothing, STAMP, 'big') == {}
+    payload = LAYOUTS[State, 'big'].encode(STATE)
+    out = [(topic, message.header.stamp.nanosec)
+           for topic, message in parts.convert(Answer(State, 0, payload), STAMP + 7)
+           if topic == 'velocity']
+    assert out == [('velocity', 123_456_789), ('velocity', 123_456_796)]
+
+
+def test_what_nobody_waits_for_is_not_published():
+    """Nor kept."""
+    parts = converter()
+    assert told(parts, SENSORS, wanted=False) == {}
+    assert told(parts, STATE)['imu/data'].linear_acceleration_covariance[0] == -1
