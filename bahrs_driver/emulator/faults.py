@@ -17,6 +17,7 @@ NAMES = {
     'insert_byte': 'bytes of noise put in after a byte',
     'break': 'frames cut off somewhere inside',
     'drop_frame': 'frames lost as a whole',
+    'repeat_frame': 'frames that come twice',
 }
 
 
@@ -59,7 +60,7 @@ class Faults:
                 frame = damage(frame, index, self._random[name])
         if self._hits('break', 1):
             frame = frame[:self._random['break'].randrange(1, max(2, len(frame)))]
-        return frame
+        return frame * 2 if self._hits('repeat_frame', 1) else frame
 
     def _hits(self, name: str, length: int) -> list[int]:
         """Return which of the next things are hit, by index, and count them."""

@@ -19,11 +19,11 @@ ZONE_WIDTH = 6                      # degrees of longitude
 WEEK_MS = 604_800_000
 SEA_LEVEL_PRESSURE, SEA_LEVEL_TEMPERATURE = 101_325.0, 288.15        # Pa, K
 LAPSE, PRESSURE_POWER = 0.0065, 5.25588                              # K/m, of the standard
-AIR_DENSITY = 1.225                 # kg/m^3
+GAS_CONSTANT = 287.053                                               # J/(kg K), of air
 INSIDE_C = 31.5                     # degree C
 NORTH_FIELD, DOWN_FIELD = 20e-6, 43e-6      # T
 LARGEST_COUNT = 32767
-HIGHEST_DIFFERENCE = 1000.0         # Pa, about what its field holds
+HIGHEST_DIFFERENCE = 1073.0         # Pa; its field holds no more
 
 _PROJECTIONS: dict[tuple[int, bool], Proj] = {}
 
@@ -92,7 +92,7 @@ class TitanMeasures:
         force = _vector(self._noise.add('specific_force', truth.specific_force))
         rate = _vector(self._noise.add('angular_rate', truth.angular_rate))
         pressure, magnetic = static_pressure(place.altitude), magnetic_field(truth)
-        dynamic = AIR_DENSITY / 2 * math.hypot(*truth.velocity) ** 2
+        dynamic = air_density(place.altitude) / 2 * math.hypot(*truth.velocity) ** 2
         p, q, r = rate
         return Measured(Sensors(
             _within(force, ADC_FORCE),
@@ -123,6 +123,11 @@ def static_pressure(altitude: float) -> float:
     """Return the pressure of the standard atmosphere (Pa) at a height (m) up to 11 km."""
     return SEA_LEVEL_PRESSURE * math.pow(
         1 - LAPSE * altitude / SEA_LEVEL_TEMPERATURE, PRESSURE_POWER)
+
+
+def air_density(altitude: float) -> float:
+    """Return the density of the standard atmosphere (kg/m^3) at a height (m) up to 11 km."""
+    return static_pressure(altitude) / GAS_CONSTANT / (SEA_LEVEL_TEMPERATURE - LAPSE * altitude)
 
 
 def magnetic_field(truth: Truth) -> Vector:
