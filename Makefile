@@ -8,7 +8,8 @@ READY := $(VENV)/.ready
 
 help:
 	@echo 'make run      watch the driver at work on an emulated device'
-	@echo '              PORT=/dev/ttyUSB0 for a real one, DURATION=15 to end by itself'
+	@echo '              PORT=/dev/ttyUSB0 for a real one, DURATION=15 to end by itself,'
+	@echo '              SENSOR=titan_m for the other device'
 	@echo 'make test     all tests and linters'
 	@echo 'make lint     linters only'
 	@echo 'make bench    what a frame costs, with its floor'
@@ -27,7 +28,7 @@ $(READY): requirements.txt setup.py setup.cfg
 	@touch $@
 
 run: $(READY)
-	@$(BIN)/python tools/run.py $(if $(PORT),--port $(PORT)) $(if $(DURATION),--duration $(DURATION))
+	@$(BIN)/python tools/run.py $(if $(SENSOR),--sensor $(SENSOR)) $(if $(PORT),--port $(PORT)) $(if $(DURATION),--duration $(DURATION))
 
 test: $(READY)
 	$(BIN)/python -m pytest

@@ -6,7 +6,8 @@ from pathlib import Path
 import re
 import sys
 
-from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.convert.bahrs import TOPICS as BAHRS_TOPICS
+from bahrs_driver.convert.titan_m import TOPICS as TITAN_TOPICS
 from bahrs_driver.parameters import Parameter, PARAMETERS
 
 README = Path(__file__).resolve().parents[1] / 'README.md'
@@ -28,7 +29,8 @@ def with_tables(text: str) -> str:
 
 def missing_topics(text: str) -> list[str]:
     """Return the topics that the README does not name with their type."""
-    return [topic for topic, kind in TOPICS.items()
+    topics = {**BAHRS_TOPICS, **TITAN_TOPICS}
+    return [topic for topic, kind in topics.items()
             if not re.search(rf'\| `{topic}` \| \w+/{kind.__name__} \|', text)]
 
 

@@ -20,6 +20,7 @@ def main() -> int:
     """Run until the time is up, Ctrl-C, or the driver ends."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--port', help='use this port instead of an emulated device')
+    parser.add_argument('--sensor', default='bahrs', help='which device (default: %(default)s)')
     parser.add_argument('--duration', help='end after so many seconds')
     options = parser.parse_args()
     # Ctrl-C reaches all children too; they end themselves and we wait for them.
@@ -31,12 +32,13 @@ def main() -> int:
         if port is None:
             port = f'{folder}/bahrs'
             emulator = stack.enter_context(
-                process('bahrs', 'emulate', '--link', port, '--wait', stdin=subprocess.DEVNULL,
-                        stderr=subprocess.DEVNULL))
+                process('bahrs', 'emulate', '--sensor', options.sensor, '--link', port, '--wait',
+                        stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
             emulator.stdout.readline()      # it prints the port when there is one
         with open(f'{folder}/driver.log', 'w+') as log:
             driver = stack.enter_context(
-                process('driver_node', '--ros-args', '-p', f'port:={port}', stderr=log))
+                process('driver_node', '--ros-args', '-p', f'port:={port}',
+                        '-p', f'sensor:={options.sensor}', stderr=log))
             words = ['--duration', options.duration] if options.duration else []
             monitor = stack.enter_context(process('bahrs', 'monitor', *words, stdout=None))
             return wait_for(monitor, driver, log)

@@ -41,7 +41,9 @@ def test_files_are_where_ros_looks_for_them(prefix):
     for name in ('lib/bahrs_driver/driver_node', 'lib/bahrs_driver/bahrs',
                  'share/ament_index/resource_index/packages/bahrs_driver',
                  'share/bahrs_driver/package.xml', 'share/bahrs_driver/launch/bahrs.launch.py',
-                 'share/bahrs_driver/config/bahrs.yaml'):
+                 'share/bahrs_driver/config/bahrs.yaml',
+                 'share/bahrs_driver/launch/titan_m.launch.py',
+                 'share/bahrs_driver/config/titan_m.yaml'):
         assert (base / name).is_file(), name
 
 
