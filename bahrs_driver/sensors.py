@@ -32,7 +32,9 @@ from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.payload_order import PayloadReader
 from bahrs_driver.protocol.poller import Poller, PollOptions
-from bahrs_driver.protocol.titan_frames import answer_size, AnswerFormat, REQUEST_SIZE
+from bahrs_driver.protocol.titan_frames import (
+    answer_size, AnswerCodec, AnswerFormat, REQUEST_SIZE,
+)
 from bahrs_driver.protocol.titan_m import GpsRequest, SensorsRequest, StateRequest, TitanRequest
 from bahrs_driver.receiver import Codec
 from bahrs_driver.requester import Requester
@@ -130,7 +132,7 @@ def _bahrs_options(settings: Mapping[str, Any]) -> BahrsOptions:
 
 
 def titan_m(settings: Mapping[str, Any], link: Link) -> Sensor:
-    """Return the parts for a Titan-M on a link."""
+    """Return the parts for a Titan-M on a link. If nothing is to be asked, it only listens."""
     frame_format = AnswerFormat(settings['checksum_order'])
     rates = _titan_rates(settings)
     poller = Poller(rates, frame_format, PollOptions(
@@ -139,15 +141,17 @@ def titan_m(settings: Mapping[str, Any], link: Link) -> Sensor:
         retries=settings['request.retries'],
         counted_ids=settings['request.message_id'] == 'counted',
         checksum_order=settings['checksum_order']))
-    requester = Requester(link, poller)
-    frame_format.expected = requester.expected
+    requester = Requester(link, poller) if any(rates.values()) else None
+    if requester:
+        frame_format.expected = requester.expected
     reader = PayloadReader[int](settings['payload_order'])
     converter = TitanConverter(_titan_options(settings), reader)
-    asked = {kind.ANSWER.NAME: rate for kind, rate in rates.items() if rate}
-    longest_pause = PAUSES / max(asked.values(), default=1.0)
+    asked = {kind.ANSWER.NAME: rate for kind, rate in rates.items() if rate or not requester}
+    longest_pause = PAUSES / max(rates.values()) if requester else 0.0
     health = TitanHealth(
         asked, settings['diagnostics.rate_tolerance'],
-        max(settings['diagnostics.silence_timeout'], longest_pause), poller, reader,
+        max(settings['diagnostics.silence_timeout'], longest_pause),
+        poller if requester else None, reader,
         lambda: converter.gps_text)
 
     def protocol() -> Mapping[str, str]:
@@ -159,8 +163,8 @@ def titan_m(settings: Mapping[str, Any], link: Link) -> Sensor:
                 'LEN': ', '.join(f'{name} {text}' for name, text in lengths.items())
                 or 'not seen yet'}
 
-    return Sensor(Framer(frame_format), requester, _titan_clock(settings), converter, health,
-                  TITAN_TOPICS, TITAN_LATCHED, protocol, requester=requester,
+    return Sensor(Framer(frame_format), requester or AnswerCodec(), _titan_clock(settings),
+                  converter, health, TITAN_TOPICS, TITAN_LATCHED, protocol, requester=requester,
                   longest_pause=longest_pause,
                   warnings=tuple(_titan_warnings(settings, rates)))
 
@@ -185,7 +189,7 @@ def _titan_warnings(settings: Mapping[str, Any],
                "the middle of request and answer, as with 'device'")
     if not any(rates.values()):
         yield ('parameters state.rate, gps.rate and sensors.rate are all 0: the device is asked '
-               'nothing, and says nothing')
+               'nothing, and what it says to somebody else is taken')
     use = sum(rate * answer_size(kind.ANSWER) for kind, rate in rates.items()) \
         * byte_time_ns(settings['baud_rate']) / NANOSECONDS
     if use > 1:
@@ -210,8 +214,8 @@ def _titan_options(settings: Mapping[str, Any]) -> TitanOptions:
         geoid_height=settings['gps.geoid_height'],
         gps_week=settings['gps.week'],
         leap_seconds=settings['gps.leap_seconds'],
-        state_is_asked=bool(settings['state.rate']),
-        gps_is_asked=bool(settings['gps.rate']))
+        state_is_asked=bool(settings['state.rate']) or not settings['gps.rate'],
+        gps_is_asked=bool(settings['gps.rate']) or not settings['state.rate'])
 
 
 SENSORS: dict[str, Callable[[Mapping[str, Any], Link], Sensor]] = {

@@ -18,8 +18,14 @@ class Decoder(Protocol):
     """Finds the messages of one kind of device in a stream of bytes."""
 
     framer: Framer
-    kinds: Sequence[type[Any]]          # of messages
-    head: Sequence[str]                 # names that about() has
+
+    @property
+    def kinds(self) -> Sequence[type[Any]]:
+        """Classes of the messages."""
+
+    @property
+    def head(self) -> Sequence[str]:
+        """Names that about() has."""
 
     def messages(self, frames: Iterable[Frame]) -> Iterable[tuple[Frame, Any]]:
         """Return the messages that frames complete, in the order of the stream."""

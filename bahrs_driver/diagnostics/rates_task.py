@@ -22,7 +22,7 @@ class RatesTask:
     def __init__(self, expected: Mapping[str, float], tolerance: float, stale_timeout: float,
                  losses: Losses | None = None) -> None:
         """
-        Expect messages, by name, at a rate in Hz.
+        Expect messages, by name, at a rate in Hz; 0 is any rate, and none at all.
 
         A rate may be off by the tolerance (a share); without any of these messages for
         stale_timeout seconds the stream is stale. What is lost is told by sequence numbers
@@ -84,7 +84,7 @@ class RatesTask:
         if elapsed >= RATE_SPAN:
             off = [f'{name} at {count / elapsed:.0f} Hz instead of {rate:g}'
                    for (name, rate), count in zip(self._expected.items(), counts)
-                   if abs(count - elapsed * rate) > max(2.0, elapsed * rate * self._tolerance)]
+                   if self._is_off(count, elapsed * rate)]
             if off:
                 return Verdict(WARN, ', '.join(off))
         return Verdict(OK, 'All messages at their rates')
@@ -95,10 +95,13 @@ class RatesTask:
         found = {}
         for (name, rate), count in zip(self._expected.items(), counts):
             measured = count / elapsed if elapsed else 0.0
-            found[f'{name} [Hz]'] = f'{measured:.1f} of {rate:g}'
+            found[f'{name} [Hz]'] = f'{measured:.1f}' + (f' of {rate:g}' if rate else '')
             found[f'{name} received'] = str(self._received[name])
             found[f'{name} lost'] = str(self.lost.get(name, 0))
         return found
+
+    def _is_off(self, count: int, expected: float) -> bool:
+        return bool(expected) and abs(count - expected) > max(2.0, expected * self._tolerance)
 
     def _notice_service(self, message: Any, now: float) -> None:
         if message.SERVICE:

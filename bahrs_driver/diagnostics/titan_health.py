@@ -46,13 +46,14 @@ class TitanHealth:
     """Watches the answers of a Titan-M."""
 
     def __init__(self, rates: Mapping[str, float], tolerance: float, stale_timeout: float,
-                 poller: Poller, reader: PayloadReader[int], gps: Callable[[], str]) -> None:
-        """Take the rates of the answers by name, and who knows about them."""
+                 poller: Poller | None, reader: PayloadReader[int],
+                 gps: Callable[[], str]) -> None:
+        """Take the rates of the answers by name, who asks for them, and who knows about them."""
         self._rates = RatesTask(
             rates, tolerance, stale_timeout,
-            RequestLosses(lambda: {kind.ANSWER.NAME: lost for kind, lost in poller.lost.items()}))
-        self.tasks: Sequence[Task] = (
-            self._rates, RequestsTask(poller), TitanDeviceTask(reader, gps))
+            RequestLosses(lambda: poller.lost_by_name if poller else {}))
+        requests = [RequestsTask(poller)] if poller else []
+        self.tasks: Sequence[Task] = (self._rates, *requests, TitanDeviceTask(reader, gps))
 
     def observe(self, message: Any, now: float) -> None:
         """Take a message, received at a time in seconds (monotonic)."""
