@@ -3,9 +3,10 @@
 """
 Carries on a conversation with a device that speaks only when it is asked.
 
-A thread of its own writes the requests when they are due, and sleeps in between. The receiver's
-thread hands in the frames that come, as to any codec, and gets answers that say when they were
-asked for. What to say, and when, is the conversation's business.
+A thread of its own writes the requests when their time comes, and sleeps in between. The
+receiver's thread hands in the frames that come, as to any codec, and gets answers that say when
+they were asked for; what could only wait for an answer is written then and there. What to say,
+and when, is the conversation's business.
 """
 
 from collections.abc import Collection
@@ -62,11 +63,17 @@ class Requester:
             self._conversation.end()
 
     def decode(self, frame: Frame) -> Any:
-        """Return the message of a frame that has come."""
+        """
+        Return the message of a frame that has come, having sent what is due now that it has.
+
+        So the line is busy again before anything is made of the message.
+        """
         with self._changed:
             message = self._conversation.receive(frame, _raw_time())
+            data = self._conversation.send(_raw_time())
             self._changed.notify()
-            return message
+        self._write(data)
+        return message
 
     def expected(self) -> Collection[Any]:
         """Return what is waited for."""
@@ -76,16 +83,19 @@ class Requester:
     def run(self) -> None:
         """Write what is due, until stopped."""
         while data := self._next():
-            # Outside the lock: a line that takes no data must not hold up the reader. A link that
-            # is lost is told by its reader, and a request that is lost is asked for again.
-            with contextlib.suppress(LinkError):
-                self._link.write(data)
+            self._write(data)
 
     def stop(self) -> None:
         """Make run() return soon. To be called from another thread."""
         with self._changed:
             self._stopping = True
             self._changed.notify()
+
+    def _write(self, data: bytes) -> None:
+        # A link that is lost is told by its reader, and a request that is lost is repeated.
+        if data:
+            with contextlib.suppress(LinkError):
+                self._link.write(data)
 
     def _next(self) -> bytes:
         """Sleep until something is to be sent; empty when stopped."""

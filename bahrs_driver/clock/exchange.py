@@ -28,7 +28,7 @@ class ExchangeClock:
     Stamps answers with the middle of request and answer.
 
     A message says by its `asked` when it was asked for (CLOCK_MONOTONIC_RAW, ns); one that does
-    not gets the time of its arrival.
+    not gets the time of its arrival. One that is not `wanted` has no place in the order of time.
     """
 
     def __init__(self, request_size: int, fixed_latency: int = 0) -> None:
@@ -88,8 +88,9 @@ class ExchangeClock:
             median_chunk=median_low(self._chunks) if self._chunks else 0)
 
     def _stamp_of(self, message: Any, frame: Frame) -> int:
-        latest = self._bounds.bound(frame.offset)
-        asked = getattr(message, 'asked', None)
+        latest, asked = self._bounds.bound(frame.offset), message.asked
+        if not message.wanted:
+            return self._output.plain(latest)
         if asked is None:
             self._arrivals += 1
             return self._output.arrival(latest)

@@ -19,10 +19,10 @@ def begun(latency=0):
     return clock
 
 
-def stamp(clock, asked, time, offset, size, offset_ros=ROS):
+def stamp(clock, asked, time, offset, size, offset_ros=ROS, wanted=True):
     """Return the stamp of a frame that a read at a time has completed."""
     clock.read(Instant(time, time + offset_ros), offset + size)
-    message = SimpleNamespace(asked=asked)
+    message = SimpleNamespace(asked=asked, wanted=wanted)
     (_, _, stamped), = clock.stamp([(message, Frame(offset, bytes(size), 'big'))])
     return stamped - offset_ros
 
@@ -53,6 +53,14 @@ def test_without_a_request_it_is_the_arrival():
     clock = begun()
     assert stamp(clock, None, 17 * MS, 0, 50) == 12 * MS
     assert clock.state().arrival_stamps == 1
+
+
+def test_what_nobody_waits_for_does_not_hold_up_the_others():
+    """An answer that came late has a later stamp than what was asked for before it came."""
+    clock = begun()
+    assert stamp(clock, None, 17 * MS, 0, 50, wanted=False) == 12 * MS
+    assert stamp(clock, 10 * MS, 17_800 * US, 50, 50) == 11_800 * US
+    assert clock.state().arrival_stamps == 0
 
 
 def test_latency_is_taken_off_and_stamps_increase():

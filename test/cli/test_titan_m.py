@@ -1,0 +1,100 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the verbs on a Titan-M, as processes."""
+
+import csv
+import json
+import math
+import subprocess
+
+from bahrs_driver.protocol.titan_frames import build_answer
+from bahrs_driver.protocol.titan_m import State
+from processes import command
+import pytest
+from shared_files import shared_file
+
+STATE = State((1.0, 2.0, -3.0), (0.5, -0.25, 0.0), (0.125, -0.5, 1.5), (0.0, 0.0625, -1.0))
+NOTHING = State(*[(0.0,) * 3] * 4)
+
+
+def run(verb, *words, data=None):
+    """Run a verb and return what it printed, its errors and its exit status."""
+    done = subprocess.run(command('bahrs', verb, '--sensor', 'titan_m', *words),
+                          input=data, capture_output=True, check=False)
+    assert b'Traceback' not in done.stderr
+    return done.stdout.decode(), done.stderr.decode(), done.returncode
+
+
+def test_vectors_are_decoded_under_the_names_that_they_have():
+    """All of a payload order in one stream, both LEN."""
+    vectors = [vector for vector in json.loads(shared_file('vectors/frames.json').read_text())
+               if vector['device'] == 'titan_m' and 'request' not in vector['message']]
+    for payload in '<>':
+        chosen = [vector for vector in vectors if vector['payload_order'] == payload
+                  and vector['checksum_order'] == '>']
+        stream = b''.join(bytes.fromhex(vector['hex']) for vector in chosen)
+        out, err, status = run('decode', '--format', 'jsonl', '-', data=stream)
+        rows = [json.loads(line) for line in out.splitlines()]
+        assert (status, err, len(rows)) == (0, '', len(chosen))
+        for row, vector in zip(rows, chosen):
+            assert row['message'] == vector['message'] and row['version'] is None
+            assert {name: row[name] for name in vector['si']} == {
+                name: pytest.approx(value) for name, value in vector['si'].items()}
+
+
+def test_csv_has_a_column_a_field():
+    """By axis."""
+    out, _, _ = run('decode', '--format', 'csv', '-', data=build_answer(STATE, 7))
+    row, = csv.DictReader(out.splitlines())
+    assert (row['message'], row['message_id'], row['offset']) == ('state', '7', '0')
+    assert float(row['position_ned_down']) == -3.0 and float(row['attitude_heading']) == 1.5
+    assert row['zone'] == '' and float(row['angular_rate_y']) == 0.0625
+
+
+def test_answers_that_could_be_of_either_order_are_not_guessed():
+    """A sentence says what would help."""
+    data = 3 * build_answer(NOTHING)
+    out, err, status = run('decode', '--format', 'jsonl', '-', data=data)
+    assert (out, status) == ('', 1) and '3 answers are not decoded' in err
+    out, err, status = run('decode', '--format', 'jsonl', '--payload-order', 'big', '-', data=data)
+    assert (len(out.splitlines()), err, status) == (3, '', 0)
+    # What comes later tells of them, too.
+    out, _, _ = run('decode', '--format', 'jsonl', '-', data=data + build_answer(STATE))
+    assert [json.loads(line)['offset'] for line in out.splitlines()] == [0, 56, 112, 168]
+
+
+def test_an_emulated_flight_in_a_file(tmp_path):
+    """As if it had been asked for, with its truth beside it."""
+    file, truth = tmp_path / 'flight.bin', tmp_path / 'truth.jsonl'
+    _, err, status = run('emulate', '--output', str(file), '--duration', '20', '--truth',
+                         str(truth), '--motion', 'steady-turn', '--payload-order', 'big',
+                         '--sensors-len', '0x2E', '--first-fix', '5')
+    assert status == 0, err
+    out, _, status = run('decode', str(file))
+    rows = {line[:22].strip(): line[22:].strip() for line in out.splitlines()}
+    # Half an answer is on the line yet at the end.
+    assert status == 0 and int(rows['sensors'].replace(',', '')) in (1000, 1001)
+    assert rows['payload byte order'] == 'big' and rows['skipped bytes'] == '0'
+    out, _, _ = run('decode', '--format', 'jsonl', str(file))
+    found = [json.loads(line) for line in out.splitlines()]
+    true = [json.loads(line) for line in truth.read_text().splitlines()]
+    assert len(found) == len(true)
+    for row, line in zip(found, true):
+        if row['message'] == 'state':
+            assert row['velocity_ned'] == pytest.approx(line['velocity_ned'], abs=1e-5)
+    zones = [row['zone'] for row in found if row['message'] == 'gps']
+    assert set(zones[:49]) == {0} and set(zones[51:]) == {32}
+    moved = [row['position_ned'] for row in found if row['message'] == 'state']
+    assert moved[0] == [0.0] * 3 and math.hypot(*moved[-1]) > 500
+
+
+@pytest.mark.parametrize('words, sentence', [
+    (['--crc', 'byte'], '--crc is an option of a bahrs, not of a titan_m'),
+    (['--start', '47'], "the start is '47': it must be a latitude and a longitude"),
+    (['--start', '91,0'], "the latitude of the start is '91': it must be a number from -80 to 80"),
+    (['--late-answers', '2'], "a share is '2': it must be a number from 0 to 1"),
+])
+def test_what_cannot_be_emulated(words, sentence):
+    """One sentence."""
+    _, err, status = run('emulate', *words)
+    assert status != 0 and sentence in err

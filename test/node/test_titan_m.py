@@ -1,0 +1,161 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node with a Titan-M, as a process, against a device that is a few lines."""
+
+from contextlib import contextmanager
+import threading
+
+from bahrs_driver.convert.titan_m import TOPICS
+from bahrs_driver.emulator.pty_port import PtyPort
+from bahrs_driver.protocol.titan_frames import build_answer
+from bahrs_driver.protocol.titan_m import Gps, Sensors, State
+from devices import DIAGNOSTICS, says, status
+from diagnostic_msgs.msg import DiagnosticStatus
+from processes import driver, listening, running, wait_for
+import pytest
+
+OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
+EVERYTHING = {**TOPICS, **DIAGNOSTICS}
+STATE = State((1.0, 2.0, -3.0), (0.5, -0.25, 0.0), (0.125, -0.5, 1.5), (0.0, 0.0625, -1.0))
+GPS = Gps(1.5, 500_000.0, 5_000_000.0, 600.0, (1.0, 2.0, 3.0), 90.0, 4.0, 3.0, 32, True)
+SENSORS = Sensors((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 20.0, (0.5, 0.25, -9.75), (0.0, 0.0, 0.5),
+                  95_000.0, 12.5, (2e-5, 0.0, 4e-5))
+# The requests of the document, byte for byte.
+REQUESTS = {bytes.fromhex('3347535402000123'): STATE, bytes.fromhex('3347475002000113'): GPS,
+            bytes.fromhex('3347534502000114'): SENSORS}
+
+
+def answers(**options):
+    """Return the answer to each request."""
+    return {request: build_answer(message, 0x5A, **options)
+            for request, message in REQUESTS.items()}
+
+
+@contextmanager
+def titan(port, replies):
+    """Answer what comes, by a table that may be changed, and give what was asked, in order."""
+    asked, ended = [], threading.Event()
+
+    def serve():
+        buffer = b''
+        while not ended.is_set():
+            buffer += port.read(0.05)
+            while len(buffer) >= 8:
+                request, buffer = buffer[:8], buffer[8:]
+                asked.append(request)
+                port.write(replies.get(request, b''))
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    try:
+        yield asked
+    finally:
+        ended.set()
+        thread.join()
+
+
+def values(ear, task):
+    """Return the values of a task."""
+    return {pair.key: pair.value for pair in status(ear, task).values}
+
+
+@pytest.mark.parametrize('payload, checksum', [('little', 'big'), ('big', 'little')])
+def test_all_topics_in_another_process(cable, payload, checksum):
+    """Byte orders are found and shown; nothing is printed but that the port is open."""
+    replies = answers(payload_order=payload, checksum_order=checksum)
+    with listening(EVERYTHING) as ear, titan(cable, replies), \
+            driver(cable.path, sensor='titan_m') as node:
+        for topic in TOPICS:
+            ear.wait(topic, 3, 60)
+        assert ear.heard['fix'][-1].longitude == pytest.approx(9.0)
+        assert ear.heard['velocity'][-1].twist.twist.linear.y == 0.5
+        assert ear.heard['imu/data'][-1].linear_acceleration.x == 0.5
+        assert ear.heard['imu/mag'][-1].magnetic_field.z == pytest.approx(-4e-5, abs=4e-9)
+        assert ear.heard['differential_pressure'][-1].fluid_pressure == 12.5
+        stamps = [message.header.stamp for message in ear.heard['velocity']]
+        times = [stamp.sec * 10 ** 9 + stamp.nanosec for stamp in stamps]
+        assert times == sorted(set(times))
+        assert wait_for(lambda: status(ear, 'Device'), 30)
+        assert says(ear, 'Device', OK, 'fix in zone 32 north')
+        framing = values(ear, 'Framing')
+        assert framing['Payload byte order'] == payload
+        assert framing['Checksum byte order'] == checksum
+        assert says(ear, 'Time', OK, 'the middle of request and answer')
+        assert node.end() == 0 and len(node.lines) == 1, node.text
+
+
+def test_a_device_that_does_not_answer_is_told_and_asked_again(cable):
+    """In the other byte order of the checksum, too."""
+    replies = {}
+    with listening(EVERYTHING) as ear, titan(cable, replies) as asked, \
+            driver(cable.path, sensor='titan_m'):
+        assert wait_for(lambda: len(asked) > 12, 60)
+        assert says(ear, 'Requests', ERROR, 'No request is answered')
+        sums = {(sum(request[:6]).to_bytes(2, 'big'), request[6:]) for request in asked}
+        assert {found == right for right, found in sums} == {True, False}
+        # It wants little-endian checksums.
+        replies.update({request[:-2] + request[:-3:-1]: answer
+                        for request, answer in answers().items()})
+        ear.wait('velocity', 5, 60)
+        ear.wait('fix', 2, 60)
+        assert values(ear, 'Requests')['Checksum byte order of requests'] in ('big', 'little')
+
+
+def test_nothing_is_published_before_the_byte_order_is_known(cable):
+    """A forced one is taken at its word."""
+    nothing = {REQUEST: build_answer(State(*[(0.0,) * 3] * 4)) for REQUEST in REQUESTS}
+    rates = {'gps__rate': 0.0, 'sensors__rate': 0.0, 'sensor': 'titan_m'}
+    with listening(EVERYTHING) as ear, titan(cable, nothing) as asked:
+        with driver(cable.path, **rates):
+            assert says(ear, 'Device', WARN, 'The byte order of payloads is not known yet')
+            assert wait_for(lambda: len(asked) > 50, 60)
+            assert not ear.heard['velocity']
+        with driver(cable.path, payload_order='big', **rates):
+            ear.wait('velocity', 5, 60)
+            assert set(asked) == {bytes.fromhex('3347535402000123')}
+
+
+def test_unplugged_and_plugged_again(tmp_path):
+    """It is asked again each time."""
+    link = str(tmp_path / 'ttyUSB0')
+    with listening(EVERYTHING) as ear, driver(link, sensor='titan_m') as node:
+        for _ in range(3):
+            with PtyPort(link) as port, titan(port, answers()):
+                before = len(ear.heard['odometry'])
+                ear.wait('odometry', before + 10, 60)
+        assert wait_for(lambda: sum('is gone' in line for line in node.lines) == 3, 30)
+        assert node.end() == 0 and 'Traceback' not in node.text
+
+
+def test_without_rates_it_listens(cable):
+    """To what somebody else asked for."""
+    rates = {'state__rate': 0.0, 'gps__rate': 0.0, 'sensors__rate': 0.0}
+    with listening(EVERYTHING) as ear, titan(cable, {}) as asked, \
+            driver(cable.path, sensor='titan_m', **rates) as node:
+        assert wait_for(lambda: 'is open' in node.text, 60)
+        assert 'are all 0: the device is asked nothing' in node.text
+
+        def heard():
+            cable.write(b''.join(answers().values()))
+            return all(ear.heard[topic] for topic in TOPICS)
+        assert wait_for(heard, 60)
+        assert asked == []
+
+
+@pytest.mark.parametrize('words, sentence', [
+    (['-p', 'state.rate:=1500.0'], 'parameter state.rate is 1500.0: it must be a decimal number'),
+    (['-p', 'payload_order:=middle'], "parameter payload_order is 'middle': it must be 'auto' or"),
+    (['-p', 'request.retries:=-1'], 'parameter request.retries is -1: it must be a whole number'),
+])
+def test_a_bad_parameter_ends_the_start_with_one_sentence(words, sentence):
+    """As with any other."""
+    with running('driver_node', '--ros-args', '-p', 'sensor:=titan_m', *words) as node:
+        assert node.wait(60) == 1
+        assert len(node.lines) == 1 and sentence in node.text
+
+
+def test_what_will_not_go_well_is_told_at_the_start(cable):
+    """Rates beyond the line, and pulses that there are none of."""
+    with driver(cable.path, sensor='titan_m', baud_rate=9600, time__source='sync_pulse') as node:
+        assert wait_for(lambda: '679% of what the line carries at 9600 baud' in node.text, 60)
+        assert 'a titan_m has no sync pulses' in node.text
