@@ -128,6 +128,8 @@ class ChecksumOrder:
     Tells the byte order of checksums.
 
     A sum whose two bytes are equal tells nothing. `seen` is that of the last frame that told.
+    Where one order is known, frames of the other are refused, until so many come with none of the
+    known one between them that it must be another device.
     """
 
     def __init__(self, order: OrderChoice = 'auto') -> None:
@@ -139,6 +141,7 @@ class ChecksumOrder:
         """Forget what was seen: another device may be on the line."""
         self.seen: ByteOrder | None = None if self._forced == 'auto' else self._forced
         self._run = ENOUGH if self.seen else 0
+        self._refused = 0
 
     @property
     def known(self) -> bool:
@@ -148,16 +151,27 @@ class ChecksumOrder:
     def passing(self, frame: bytes) -> ByteOrder | None:
         """Return the order in which the checksum of a frame is right."""
         body, found = frame[:-CHECKSUM_SIZE], frame[-CHECKSUM_SIZE:]
-        for order in (self.seen,) if self.seen and self.known else CHECKSUM_ORDERS:
-            if order and checksum(body, order) == found:
-                return order
-        return None
+        if self.seen and checksum(body, self.seen) == found:
+            self._refused = 0
+            return self.seen
+        order = next((order for order in CHECKSUM_ORDERS if checksum(body, order) == found), None)
+        return None if order and self._refuses() else order
 
     def note(self, frame: bytes, order: ByteOrder) -> None:
         """Take the order of an intact frame."""
         if frame[-2] != frame[-1] and not self.known:
             self._run = self._run + 1 if order == self.seen else 1
             self.seen = order
+
+    def _refuses(self) -> bool:
+        """Whether a frame of the order that was not seen last is refused."""
+        if not self.known:
+            return False
+        if self._forced == 'auto':
+            self._refused += 1
+            if self._refused >= ENOUGH:
+                self.begin()
+        return self.known
 
 
 class AnswerFormat:

@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of asking and of matching answers, with literal times."""
 
+import heapq
+import random
+
 from bahrs_driver.protocol.framing import Frame, Framer
 from bahrs_driver.protocol.poller import ID_VOTES, MARGIN, Poller, PollOptions, UNANSWERED
 from bahrs_driver.protocol.titan_frames import (
@@ -10,6 +13,7 @@ from bahrs_driver.protocol.titan_frames import (
 from bahrs_driver.protocol.titan_m import (
     Gps, GpsRequest, Sensors, SensorsRequest, State, StateRequest,
 )
+from hypothesis import given, strategies as st
 import pytest
 from test_titan_frames import GPS, SENSORS, STATE
 
@@ -212,3 +216,36 @@ def test_a_message_tells_what_it_is(kind):
     data = build_answer(OF[kind], 7)
     plain = answer_of(Frame(0, data, 'big'))
     assert (plain.NAME, plain.message_id, plain.payload) == (kind.NAME, 7, data[6:-2])
+
+
+@given(st.booleans(), st.booleans(), st.integers(0, 2), st.integers(0, 10 ** 6),
+       st.floats(0, 0.5), st.floats(0, 0.2))
+def test_whatever_the_line_does_the_books_are_right(pipelined, counted, retries, seed, lost,
+                                                    twice):
+    """Answers late, lost and doubled: nothing hangs, and each request has one end."""
+    chance = random.Random(seed)
+    poller = begun(ALL, pipelined=pipelined, counted_ids=counted, retries=retries)
+    now, coming, steps = 0, [], 0
+    while now < 3000 * MS:
+        steps += 1
+        assert steps < 5000
+        data = poller.send(now)
+        if data:
+            kind, identity = asked(data)
+            for _ in range((chance.random() >= lost) + (chance.random() < twice)):
+                heapq.heappush(coming, (now + chance.randrange(5 * MS, 300 * MS),
+                                        kind.NAME, kind.ANSWER, identity))
+        expected = poller.expected()
+        assert len(expected) == len(set(expected)) <= (3 if pipelined else 1)
+        under_way = len(expected)
+        assert poller.requests.total() == (
+            poller.answered.total() + poller.unanswered.total() + under_way)
+        due = poller.due(now)
+        assert due is not None
+        if coming and coming[0][0] <= due:
+            now, _, kind, identity = heapq.heappop(coming)
+            before = poller.expected()
+            assert answer(poller, kind, now, identity) is None or kind in before
+        else:
+            now = max(now, due)
+    assert poller.requests.total() > 10

@@ -166,10 +166,15 @@ def test_one_order_of_checksums_is_enough():
     assert len(framer.feed(big * 2 + little + big * (ENOUGH - 1))) == ENOUGH + 2
     assert not frame_format.checksum_order.known
     assert len(framer.feed(big + little)) == 1 and frame_format.checksum_order.known
+    assert not framer.feed(little * (ENOUGH - 2))
+    assert len(framer.feed(big)) == 1
+    # Nothing but the other one, and it is another device.
+    assert not framer.feed(little * (ENOUGH - 1))
+    assert len(framer.feed(little * 9)) == 9 and frame_format.checksum_order.seen == 'little'
     frame_format.begin()
     assert len(framer.feed(little)) == 1
     forced = Framer(AnswerFormat('little'))
-    assert not forced.feed(big) and len(forced.feed(little + little)) == 2
+    assert not forced.feed(big * 20) and len(forced.feed(little + little)) == 2
 
 
 def test_a_value_that_does_not_fit_is_told():
