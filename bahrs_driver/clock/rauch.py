@@ -3,15 +3,16 @@
 """
 A fixed-interval smoother (Rauch, Tung, Striebel) of an offset and its rate, the skew.
 
-The model is that of `kalman`: the offset walks, and the skew walks.
+The model is that of `kalman` with a single pace: the offset walks, and the skew walks.
 """
 
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from bahrs_driver.clock.kalman import OFFSET_WALK, SKEW_WALK
+from bahrs_driver.clock.kalman import OFFSET_WALK, pace
 
 FIRST_SKEW_VARIANCE = 100e-6 ** 2
+SKEW_WALK = pace(0.1).skew_walk         # one pace is enough where both sides are seen
 
 
 class Measurement(NamedTuple):

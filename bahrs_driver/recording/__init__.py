@@ -5,6 +5,6 @@ What a device sent, kept and read again.
 
 `origin` is what the topic `raw` says of a read, `capture` reads byte files and bags that hold
 `raw`, with `bag_input` for the bags. `bag_output` writes bags, out of `topics`, `metadata` and
-`sealed_file`, and `recorder` listens to a node. `conversion` makes topics of a capture, with `byte_times` for
-one without times, and writes into `outputs`, with `serialization`.
+`sealed_file`, and `recorder` listens to a node. `conversion` makes topics of a capture, with
+`byte_times` for one without times, and writes into `outputs`, with `serialization`.
 """
