@@ -35,3 +35,11 @@ def opened(name: str, mode: str) -> Any:
     except OSError as error:
         action = 'write' if 'w' in mode else 'read'
         raise CommandError(f'cannot {action} {name}: {error.strerror}') from error
+
+
+def positive(text: str) -> float:
+    """Return a number above 0, for argparse."""
+    value = float(text)
+    if not value > 0:
+        raise argparse.ArgumentTypeError(f'{text} is not more than 0')
+    return value

@@ -24,6 +24,8 @@ from rich.console import Console
 from rich.progress import Progress
 import yaml
 
+REQUEST_RATES = ('state.rate', 'gps.rate', 'sensors.rate')
+
 _EXAMPLES = """examples:
   bahrs convert flight flight_topics              a bag that holds raw
   bahrs convert flight.bin flight_topics --start 2026-05-01T12:00:00Z
@@ -107,6 +109,8 @@ def _convert(options: argparse.Namespace, conversion: Conversion, capture: Captu
 
 def _settings(options: argparse.Namespace, sensor: str) -> Mapping[str, Any]:
     settings = {**defaults(), 'sensor': sensor}
+    # A recording cannot be asked anything.
+    settings.update((name, 0.0) for name in REQUEST_RATES if name in settings)
     known = {parameter.name: parameter for parameter in PARAMETERS}
     for text in options.parameters:
         name, _, value = text.partition(':=')

@@ -13,6 +13,7 @@ import threading
 import time
 
 from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.cli.arguments import positive
 from bahrs_driver.recording.bag_output import BagWriter
 from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.recording.recorder import NANOSECONDS, RAW, Recorder
@@ -45,11 +46,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--raw-only', action='store_true',
                         help='only the topic raw, which the driver publishes with '
                              'publish.raw:=true; "bahrs convert" makes the others of it')
-    parser.add_argument('--max-size', type=_positive, default=math.inf, metavar='MB',
+    parser.add_argument('--max-size', type=positive, default=math.inf, metavar='MB',
                         help='begin another file at this size (default: never)')
-    parser.add_argument('--max-duration', type=_positive, default=math.inf, metavar='SECONDS',
+    parser.add_argument('--max-duration', type=positive, default=math.inf, metavar='SECONDS',
                         help='begin another file after this time (default: never)')
-    parser.add_argument('--duration', type=_positive, default=math.inf, metavar='SECONDS',
+    parser.add_argument('--duration', type=positive, default=math.inf, metavar='SECONDS',
                         help='end after this time (default: at Ctrl-C)')
     parser.add_argument('--node', default='bahrs_driver', metavar='NAME',
                         help='name of the driver (default: %(default)s)')
@@ -173,10 +174,3 @@ def _ros() -> Iterator[None]:
         yield
     finally:
         rclpy.try_shutdown()
-
-
-def _positive(text: str) -> float:
-    value = float(text)
-    if not value > 0:
-        raise argparse.ArgumentTypeError(f'{text} is not more than 0')
-    return value

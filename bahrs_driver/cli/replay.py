@@ -3,16 +3,29 @@
 """`bahrs replay`: a recorded stream of bytes, on a port, as the device sent it."""
 
 import argparse
+from collections.abc import Iterator
+import json
 import sys
 import time
 
 from bahrs_driver.cli.errors import CommandError
-from bahrs_driver.cli.files import binary_input
-from bahrs_driver.emulator.pacing import paced
+from bahrs_driver.cli.files import binary_input, STANDARD_INPUT
+from bahrs_driver.cli.arguments import checked, positive
+from bahrs_driver.emulator.cable import adapter_mode, AT_ONCE, Cable
+from bahrs_driver.emulator.faults import Faults, NAMES as FAULTS, parse_fault
+from bahrs_driver.emulator.pacing import paced, Piece, through
 from bahrs_driver.emulator.pty_port import PtyPort
+from bahrs_driver.protocol.bahrs_frames import BahrsFormat
+from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.recording.capture import Capture, PIECE, read_capture
+from bahrs_driver.recording.errors import CaptureError
+
+BAUD_RATE = 115200
 
 _EXAMPLES = """examples:
-  bahrs replay flight.bin --link /tmp/bahrs
+  bahrs replay flight.bin --link /tmp/bahrs       bytes, at the rates of the device
+  bahrs replay flight --link /tmp/bahrs           a bag with raw, at its own times
+  bahrs replay flight --fault bit_flip=0.0001 --latency-timer 16
   ros2 run bahrs_driver driver_node --ros-args -p port:=/tmp/bahrs
 """
 
@@ -21,51 +34,113 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
         'Make a serial port (a pseudo-terminal), print its path, wait until somebody opens\n'
-        'it, and play the bytes of a BAHRS at the rates of the device.')
-    parser.epilog = _EXAMPLES
-    parser.add_argument('file', help='file of bytes as the device sent them; - is standard input')
+        'it, and play what a device sent: a bag that holds raw as it was read, bytes of a\n'
+        'BAHRS at the rates of the device.')
+    parser.epilog = '\n'.join([
+        _EXAMPLES, 'faults, with a rate from 0 to 1 for each byte or frame:',
+        *(f'  {name:<28}{text}' for name, text in FAULTS.items())])
+    parser.add_argument('file', help='bag that holds the topic raw, or file of bytes as the '
+                                     'device sent them; - is standard input')
     parser.add_argument('--link', metavar='PATH', help='make a symbolic link to the port')
-    parser.add_argument('--rate', type=_positive, default=1.0, metavar='FACTOR',
-                        help='how many times faster than the device (default: %(default)s)')
+    parser.add_argument('--rate', type=positive, default=1.0, metavar='FACTOR',
+                        help='how many times faster than it was (default: %(default)s)')
     parser.add_argument('--loop', action='store_true', help='begin again at the end')
     parser.add_argument('--settle', type=float, default=0.5, metavar='SECONDS',
                         help='time given to whoever opens the port before the first byte '
                              '(default: %(default)s)')
+    parser.add_argument('--topic', metavar='NAME',
+                        help='topic of the bytes, for a bag with several')
+    parser.add_argument('--json', action='store_true',
+                        help='print what was played as a JSON object at the end')
+    group = parser.add_argument_group('cable')
+    group.add_argument('--fault', type=checked(parse_fault), action='append', default=[],
+                       metavar='NAME=RATE', help='damage what is sent, see below; again for each')
+    group.add_argument('--latency-timer', type=checked(adapter_mode), metavar='MS',
+                       help='how long an adapter holds bytes back, 1 to 255 ms; "packets" for '
+                            'one that hands over eight full packets at a time (default: as it '
+                            'was)')
+    group.add_argument('--seed', type=int, default=1, metavar='NUMBER',
+                       help='of the faults (default: %(default)s)')
 
 
 def run(options: argparse.Namespace) -> int:
     """Play the file; Ctrl-C ends it."""
-    with binary_input(options.file) as file:
-        pieces = list(paced(file.read()))
+    if options.file == STANDARD_INPUT:
+        with binary_input(options.file) as file:
+            content = file.read()
+        capture = None
+    else:
+        content, capture = b'', _capture(options)
+    faults = Faults(options.seed, dict(options.fault))
     try:
         port = PtyPort(options.link)
     except OSError as error:
         raise CommandError(f'cannot make the port: {error}') from error
+    played = 0
     with port:
         print(port.name, flush=True)
         port.wait_until_open()
         time.sleep(options.settle)
         while True:
-            _play(pieces, port, options.rate)
+            pieces = _timed(capture) if capture and capture.timed else \
+                paced(_bytes(capture) if capture else [content])
+            played += _play(_over_cable(options, pieces, faults), port, options.rate)
             if not options.loop:
                 break
         # What is still unread would vanish with the port.
         time.sleep(options.settle)
-    print(f'played {sum(len(data) for _, data in pieces):,} bytes', file=sys.stderr)
+    _report(options, played, faults, capture.notes if capture else [])
     return 0
 
 
-def _play(pieces: list[tuple[float, bytes]], port: PtyPort, rate: float) -> None:
-    start = time.monotonic()
+def _capture(options: argparse.Namespace) -> Capture:
+    try:
+        return read_capture(options.file, options.topic)
+    except CaptureError as error:
+        raise CommandError(str(error)) from error
+
+
+def _timed(capture: Capture) -> Iterator[Piece]:
+    """Return what was read, and when since the first read."""
+    first = None
+    for data, read_at, raw_at, _ in capture.chunks():
+        at = raw_at if raw_at is not None else read_at or 0
+        first = at if first is None else first
+        yield max(0, at - first) / 1e9, data
+
+
+def _bytes(capture: Capture) -> Iterator[bytes]:
+    for chunk in capture.chunks():
+        for start in range(0, len(chunk.data), PIECE):
+            yield chunk.data[start:start + PIECE]
+
+
+def _over_cable(options: argparse.Namespace, pieces: Iterator[Piece],
+                faults: Faults) -> Iterator[Piece]:
+    if not options.fault and options.latency_timer is None:
+        return pieces
+    cable = Cable(BAUD_RATE, options.latency_timer or AT_ONCE)
+    return through(pieces, cable, faults, Framer(BahrsFormat()))
+
+
+def _play(pieces: Iterator[Piece], port: PtyPort, rate: float) -> int:
+    """Send each piece when it is due; return how many bytes there were."""
+    start, count = time.monotonic(), 0
     for due, data in pieces:
         ahead = start + due / rate - time.monotonic()
         if ahead > 0:
             time.sleep(ahead)
         port.write(data)
+        count += len(data)
+    return count
 
 
-def _positive(text: str) -> float:
-    value = float(text)
-    if not value > 0:
-        raise argparse.ArgumentTypeError(f'{text} is not more than 0')
-    return value
+def _report(options: argparse.Namespace, played: int, faults: Faults, notes: list[str]) -> None:
+    for note in notes:
+        print(f'bahrs replay: {note}', file=sys.stderr)
+    if options.json:
+        print(json.dumps({'bytes': played, 'faults': dict(faults.counts), 'notes': notes}))
+        return
+    print(f'played {played:,} bytes', file=sys.stderr)
+    for name, count in faults.counts.items():
+        print(f'{name:<22}{count:>12,}', file=sys.stderr)

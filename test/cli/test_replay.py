@@ -2,18 +2,27 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of `bahrs replay`, as a process."""
 
+import contextlib
+import json
 import os
 import signal
 import time
 
-from bahrs_driver.link import Link
+from bahrs_driver.convert import raw
+from bahrs_driver.link import Link, LinkError
 from bahrs_driver.protocol.bahrs import Inertial, Navigation
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.recording.bag_output import BagWriter
+from bahrs_driver.recording.origin import Origin
+from bahrs_driver.recording.serialization import serialized
+from bahrs_driver.recording.topics import Topic
 from processes import running, wait_for
 import pytest
 
 SAFE = (Integrity.SAFE,) * 6
+SETTLE = 0.5        # s after the port was opened
 
 
 def stream(seconds):
@@ -49,7 +58,7 @@ def test_every_byte_comes_at_the_rate_of_the_device(tmp_path, rate):
         port.close()
         assert player.wait() == 0
     assert got == data
-    assert took >= 2 / rate - 0.01
+    assert took >= SETTLE + 2 / rate - 0.01
     assert not os.path.lexists(link)
 
 
@@ -81,3 +90,61 @@ def test_bad_rate(rate):
     with running('bahrs', 'replay', 'x', '--rate', rate) as player:
         assert player.wait() == 2
         assert '--rate' in player.text and 'Traceback' not in player.text
+
+
+def write_bag(folder, chunks):
+    """Write a bag with raw, of bytes and the seconds at which each was read."""
+    with BagWriter(folder) as bag:
+        bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
+        for at, data in chunks:
+            time_ns = 10 ** 18 + round(at * 1e9)
+            origin = Origin('bahrs', 1, 86805, time_ns, time_ns)
+            bag.write('/raw', time_ns, serialized(raw.message(data, origin.label())))
+
+
+def played(file, link, *words):
+    """Return the reads of a replay and its output."""
+    with running('bahrs', 'replay', str(file), '--link', str(link), '--json', *words) as player:
+        assert wait_for(lambda: player.lines)
+        port, reads = Link(str(link), 115200), []
+        port.connect()
+        with contextlib.suppress(LinkError):
+            while True:
+                reading = port.read()
+                if reading:
+                    reads.append((time.monotonic(), reading.data))
+        port.close()
+        assert player.wait() == 0
+    assert 'Traceback' not in player.text
+    return reads, json.loads(player.lines[-1])
+
+
+def test_a_bag_comes_as_it_was_read(tmp_path):
+    """Its own bytes, not before their times."""
+    chunks = [(0.0, b'abc'), (0.5, b'def'), (1.5, b'ghi')]
+    write_bag(tmp_path / 'bag', chunks)
+    reads, told = played(tmp_path / 'bag', tmp_path / 'port')
+    assert b''.join(data for _, data in reads) == b'abcdefghi'
+    assert reads[-1][0] - reads[0][0] > 0.9
+    assert told == {'bytes': 9, 'faults': {}, 'notes': []}
+
+
+def test_faults_on_request(tmp_path):
+    """Half of the frames do not come, the others are whole; the count is told."""
+    file, data = tmp_path / 'data.bin', stream(2)
+    file.write_bytes(data)
+    reads, told = played(file, tmp_path / 'port', '--fault', 'drop_frame=0.5', '--latency-timer',
+                         '16')
+    got = b''.join(data for _, data in reads)
+    count = len(Framer(BahrsFormat()).feed(data))
+    assert len(Framer(BahrsFormat()).feed(got)) + told['faults']['drop_frame'] in (
+        count, count + 1)       # the noise at the end goes for a frame
+    assert 0.3 * count < told['faults']['drop_frame'] < 0.7 * count
+
+
+@pytest.mark.parametrize('words', [['--fault', 'rust=1'], ['--latency-timer', '0']])
+def test_bad_cable(words):
+    """The sentence says what there is."""
+    with running('bahrs', 'replay', 'x', *words) as player:
+        assert player.wait() == 2
+        assert words[0] in player.text and 'Traceback' not in player.text
