@@ -12,8 +12,8 @@ import sys
 import threading
 import time
 
-from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.arguments import positive
+from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.recording.bag_output import BagWriter
 from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.recording.recorder import NANOSECONDS, RAW, Recorder

@@ -8,9 +8,9 @@ import json
 import sys
 import time
 
+from bahrs_driver.cli.arguments import checked, positive
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.files import binary_input, STANDARD_INPUT
-from bahrs_driver.cli.arguments import checked, positive
 from bahrs_driver.emulator.cable import adapter_mode, AT_ONCE, Cable
 from bahrs_driver.emulator.faults import Faults, NAMES as FAULTS, parse_fault
 from bahrs_driver.emulator.pacing import paced, Piece, through
