@@ -218,5 +218,8 @@ def _titan_options(settings: Mapping[str, Any]) -> TitanOptions:
         gps_is_asked=bool(settings['gps.rate']) or not settings['state.rate'])
 
 
+# Settings with which a sensor asks nothing, and takes what comes: for recordings.
+LISTENING: dict[str, Mapping[str, Any]] = {
+    'titan_m': dict.fromkeys(('state.rate', 'gps.rate', 'sensors.rate'), 0.0)}
 SENSORS: dict[str, Callable[[Mapping[str, Any], Link], Sensor]] = {
     'bahrs': bahrs, 'titan_m': titan_m}

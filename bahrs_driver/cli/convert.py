@@ -19,12 +19,11 @@ from bahrs_driver.recording.capture import Capture, read_capture
 from bahrs_driver.recording.conversion import Conversion, Outcome
 from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.recording.outputs import BagOutput, CsvOutput
-from bahrs_driver.sensors import SENSORS
+from bahrs_driver.sensors import LISTENING, SENSORS
 from rich.console import Console
 from rich.progress import Progress
 import yaml
 
-REQUEST_RATES = ('state.rate', 'gps.rate', 'sensors.rate')
 
 _EXAMPLES = """examples:
   bahrs convert flight flight_topics              a bag that holds raw
@@ -73,6 +72,9 @@ def run(options: argparse.Namespace) -> int:
         name = options.sensor or capture.sensor or 'bahrs'
         if name not in SENSORS:
             raise CommandError(f'{options.input} is of a sensor {name!r}, which is not known')
+        if name in LISTENING and not capture.timed:
+            raise CommandError(f'{options.input} cannot be converted: answers of a {name} have no '
+                               'times; record the topic raw, or look at them with bahrs decode')
         settings = _settings(options, name)
         conversion = Conversion(capture, name, lambda: SENSORS[name](settings, Link(
             settings['port'], settings['baud_rate'])), options.start)
@@ -108,9 +110,7 @@ def _convert(options: argparse.Namespace, conversion: Conversion, capture: Captu
 
 
 def _settings(options: argparse.Namespace, sensor: str) -> Mapping[str, Any]:
-    settings = {**defaults(), 'sensor': sensor}
-    # A recording cannot be asked anything.
-    settings.update((name, 0.0) for name in REQUEST_RATES if name in settings)
+    settings = {**defaults(), 'sensor': sensor, **LISTENING.get(sensor, {})}
     known = {parameter.name: parameter for parameter in PARAMETERS}
     for text in options.parameters:
         name, _, value = text.partition(':=')

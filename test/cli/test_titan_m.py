@@ -98,3 +98,11 @@ def test_what_cannot_be_emulated(words, sentence):
     """One sentence."""
     _, err, status = run('emulate', *words)
     assert status != 0 and sentence in err
+
+
+def test_bytes_without_times_are_not_converted(tmp_path):
+    """Nothing in them tells when an answer came; the sentence says what to do."""
+    file = tmp_path / 'flight.bin'
+    file.write_bytes(build_answer(STATE))
+    _, err, status = run('convert', str(file), str(tmp_path / 'out'))
+    assert status == 1 and 'record the topic raw' in err and not (tmp_path / 'out').exists()

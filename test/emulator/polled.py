@@ -37,7 +37,7 @@ class PolledDevice:
     A device on a cable, and what polls and reads it, with time that passes only when told.
 
     `sent` has all that the device sent, `received` all stamped answers with the time (s) at
-    which each was read.
+    which each was read, `chunks` the bytes of each read with its time.
     """
 
     def __init__(self, device: TitanDevice | None = None, rates: Any = None, seed: int = 1,
@@ -54,6 +54,7 @@ class PolledDevice:
         self.clock = ExchangeClock(REQUEST_SIZE)
         self.sent: list[Sent] = []
         self.received: list[tuple[float, Stamped]] = []
+        self.chunks: list[tuple[float, bytes]] = []
         self.asked_bytes = 0
         self.now = 0.0
         self.clock.begin(byte_time_ns(BAUD_RATE))
@@ -75,6 +76,7 @@ class PolledDevice:
     def _read(self, data: bytes) -> None:
         if not data:
             return
+        self.chunks.append((self.now, data))
         time = round(self.now * NS)
         frames = self.framer.feed(data)
         self.clock.read(Instant(time, time), self.framer.received)

@@ -5,14 +5,16 @@
 import math
 
 from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.convert.titan_m import TOPICS as TITAN_TOPICS
 from bahrs_driver.link import Link
 from bahrs_driver.parameters import defaults
 from bahrs_driver.protocol.bahrs import InertialTime
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec
 from bahrs_driver.recording.capture import Capture, Chunk, read_capture
 from bahrs_driver.recording.conversion import Conversion
-from bahrs_driver.sensors import SENSORS
+from bahrs_driver.sensors import LISTENING, SENSORS
 from emulated import decoded, emissions, make_device, make_emulation
+from polled import PolledDevice
 
 S = 1_000_000_000
 ORIGIN = 1_700_000_000 * S
@@ -54,15 +56,16 @@ class Pieces(Capture):
         return iter(self._chunks)
 
 
-def made(**changes):
-    """Return the parts of a BAHRS."""
-    return SENSORS['bahrs']({**defaults(), **changes}, Link('/dev/null', 115200))
+def made(sensor='bahrs', **changes):
+    """Return the parts of a sensor."""
+    settings = {**defaults(), **LISTENING.get(sensor, {}), **changes}
+    return SENSORS[sensor](settings, Link('/dev/null', 115200))
 
 
-def converted(capture, start=None, **changes):
+def converted(capture, start=None, sensor='bahrs', **changes):
     """Convert a capture; return what came and the outcome."""
     kept = Kept()
-    outcome = Conversion(capture, 'bahrs', lambda: made(**changes), start).run(
+    outcome = Conversion(capture, sensor, lambda: made(sensor, **changes), start).run(
         kept, lambda what: None)
     return kept, outcome
 
@@ -169,3 +172,18 @@ def test_arrival_stamps(tmp_path):
     kept, _ = converted(Pieces(chunks, tmp_path), **{'time.source': 'arrival'})
     late = [stamp - true for stamp, true in zip(stamps(kept), truth)]
     assert len(late) > 400 and max(late) - min(late) > 5_000_000
+
+
+def test_answers_of_which_the_requests_are_not_known(tmp_path):
+    """Every topic again, under the arrival of each answer less its time on the line."""
+    polled = PolledDevice()
+    polled.run(4.0)
+    chunks = [Chunk(data, ORIGIN + round(time * S), round(time * S))
+              for time, data in polled.chunks]
+    kept, outcome = converted(Pieces(chunks, tmp_path), sensor='titan_m')
+    assert set(kept.messages) == {*TITAN_TOPICS, 'raw'} and all(kept.messages.values())
+    assert outcome.frames == len(polled.received) and outcome.skipped_bytes == 0
+    truth = [ORIGIN + round(sent.emission.time * S) for sent in polled.sent
+             if sent.emission.name == 'sensors']
+    errors = [stamp - true for stamp, true in zip(stamps(kept), truth)]
+    assert len(errors) > 190 and 0 < min(errors) and max(errors) < 1_000_000
