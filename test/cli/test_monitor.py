@@ -1,30 +1,51 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of `bahrs monitor`, as a process beside the node."""
+"""Tests of `bahrs monitor` where its output is no terminal, as a process beside the node."""
+
+import json
+import subprocess
 
 from bahrs_driver.convert.bahrs import TOPICS
 from bahrs_driver.emulator.pty_port import PtyPort
 from devices import Device
-from processes import driver, running
+from processes import command, driver, running, wait_for
+
+
+def watched(*words):
+    """Return exit status and output of a monitor that listens for a while."""
+    done = subprocess.run(command('bahrs', 'monitor', '--duration', '2', *words),
+                          capture_output=True, text=True, timeout=120, check=False)
+    return done.returncode, done.stdout, done.stderr
 
 
 def test_every_topic_and_task_is_shown():
-    """With what came last; a machine that does much else is given more time."""
+    """With what came last, for people and for scripts."""
     with PtyPort() as cable, driver(cable.path), Device(cable):
-        for duration in (4, 40):
-            with running('bahrs', 'monitor', '--duration', str(duration)) as monitor:
-                assert monitor.wait() == 0, monitor.text
-            rows = {line.split()[0]: line for line in monitor.lines if line.strip()}
-            if 'device time' in rows['time_reference']:
-                break
+        assert wait_for(lambda: 'device time' in watched()[1], 120)
+        status, text, complaints = watched()
+        _, record, _ = watched('--json')
+    assert (status, complaints) == (0, '')
+    rows = {line.split()[0]: line for line in text.splitlines() if line.strip()}
     assert set(TOPICS) <= set(rows)
     assert ' m/s' in rows['velocity'] and 'device time' in rows['time_reference']
-    assert f'{cable.path} is open' in monitor.text
-    assert 'Traceback' not in monitor.text
+    assert f'{cable.path} is open' in text
+    assert '\x1b' not in text
+    found = json.loads(record)
+    assert set(found['topics']) == set(TOPICS)
+    assert found['topics']['imu/data_raw']['count'] > 0
+    assert found['diagnostics']['Link']['message'] == f'{cable.path} is open'
 
 
 def test_without_a_driver():
     """It says so, and the exit status is not 0."""
     with running('bahrs', 'monitor', '--duration', '1', '--namespace', 'nobody') as monitor:
-        assert monitor.wait() == 1
+        assert monitor.wait(60) == 1
         assert 'is driver_node running' in monitor.text
+
+
+def test_a_namespace_that_is_none():
+    """One sentence."""
+    with running('bahrs', 'monitor', '--namespace', 'no body') as monitor:
+        assert monitor.wait(60) == 1
+        assert monitor.text == ("bahrs monitor: 'no body' is no namespace: it must be a name such "
+                                'as /left\n')

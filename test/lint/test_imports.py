@@ -29,10 +29,13 @@ MAY_IMPORT = {
                 'link', 'protocol'},
     'diagnostics': {'clock', 'diagnostics', 'receiver', 'link', 'protocol'},
     'recording': {'recording', 'sensors', 'convert', 'clock', 'protocol', 'whole_file'},
+    'report': {'report', 'recording', 'protocol'},
+    'doctor': {'doctor', 'convert', 'link', 'protocol'},
+    'monitor': {'monitor', 'convert'},
     'node': {'parameters', 'sensors', 'convert', 'recording', 'diagnostics', 'nvm_services',
              'receiver', 'link'},
-    'cli': {'cli', 'convert', 'emulator', 'recording', 'sensors', 'parameters', 'nvm_reader',
-            'whole_file', 'receiver', 'link', 'clock', 'protocol'},
+    'cli': {'cli', 'doctor', 'monitor', 'report', 'convert', 'emulator', 'recording', 'sensors',
+            'parameters', 'nvm_reader', 'whole_file', 'receiver', 'link', 'clock', 'protocol'},
     '__init__': set(),
 }
 DEAF = {'protocol', 'clock'}

@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SOURCES = [str(ROOT / name)
            for name in ('bahrs_driver', 'bench', 'launch', 'test', 'tools', 'setup.py')]
 STRICT = ('protocol', 'clock', 'convert', 'link.py', 'receiver.py', 'requester.py', 'emulator',
-          'recording', 'cli')
+          'recording', 'monitor', 'doctor', 'report', 'cli')
 
 
 def test_flake8():

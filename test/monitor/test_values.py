@@ -1,0 +1,56 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of what is read out of messages."""
+
+import math
+
+from bahrs_driver.convert import ros
+from bahrs_driver.convert.axes import CONVENTIONS, quaternion_from_euler
+from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.monitor.values import attitude, FORMATS, vertical_force
+import pytest
+
+ANGLES = [math.radians(angle) for angle in (10.0, 20.0, 30.0)]
+SPREAD = (1e-4,) + (0.0,) * 8
+
+
+def imu(convention, force=(0.0, 0.0, -9.8)):
+    """Return a message of an aircraft that rolls 10, pitches 20 and heads 30 degrees."""
+    axes = CONVENTIONS[convention]
+    return ros.imu(ros.header(0, 'imu_link'), axes.orientation(quaternion_from_euler(*ANGLES)),
+                   SPREAD, ros.NO_VECTOR, SPREAD, axes.body(force), SPREAD)
+
+
+def test_attitude():
+    """As the published frames have it."""
+    assert attitude(imu('ned')) == pytest.approx((10, 20, 30))
+    assert attitude(imu('enu')) == pytest.approx((10, -20, 60))
+
+
+def test_an_attitude_that_is_not_reported():
+    """It is none."""
+    message = imu('enu')
+    message.orientation_covariance[0] = -1.0
+    assert attitude(message) is None
+    assert math.isnan(vertical_force(message))
+    assert FORMATS['imu/data'](message) == 'no orientation'
+
+
+def test_what_holds_the_aircraft_up_tells_the_convention():
+    """Specific force at rest points away from the ground."""
+    roll, pitch, _ = ANGLES
+    at_rest = (9.8 * math.sin(pitch), -9.8 * math.sin(roll) * math.cos(pitch),
+               -9.8 * math.cos(roll) * math.cos(pitch))
+    assert vertical_force(imu('enu', at_rest)) == pytest.approx(9.8)
+    assert vertical_force(imu('ned', at_rest)) == pytest.approx(-9.8)
+
+
+def test_what_is_not_reported_is_no_number():
+    """A component that is NaN is a dash."""
+    message = imu('enu', (math.nan, 1.0, -9.8))
+    assert FORMATS['imu/data_raw'](message) == 'f - -1.00 +9.80  ω - - -'
+
+
+def test_every_topic_has_its_words():
+    """None is forgotten."""
+    assert set(FORMATS) == set(TOPICS)
