@@ -15,6 +15,7 @@ from bahrs_driver.cli.errors import CommandError
 VERBS = {
     'convert': 'make all topics of a recording of bytes',
     'decode': 'decode a recorded stream of bytes',
+    'doctor': 'find out why there is no data, and how to mend it',
     'emulate': 'be a sensor, on a serial port or into a file',
     'monitor': 'show the topics of the driver, live',
     'nvm': 'read the non-volatile memory of a device, or show an image of it',

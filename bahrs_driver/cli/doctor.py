@@ -1,0 +1,123 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""`bahrs doctor`: why there is no data, and the command that mends it."""
+
+import argparse
+from collections.abc import Iterator
+import contextlib
+import json
+import os
+from pathlib import Path
+import sys
+
+from bahrs_driver.doctor import listening, ros_environment, usb_port
+from bahrs_driver.doctor.finding import Finding, Level
+from bahrs_driver.doctor.machine import Machine
+from rich.console import Console
+from rich.text import Text
+
+DEFAULT_PORT = '/dev/ttyUSB0'
+_STYLES = {Level.OK: 'green', Level.ADVICE: 'yellow', Level.PROBLEM: 'bold red'}
+_EXAMPLES = """examples:
+  bahrs doctor                                  the only adapter that is plugged in
+  bahrs doctor --port /dev/ttyUSB1 --json       for a script
+
+exit status: 0 if nothing is wrong, 1 if there is a problem; advice is no problem
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the verb and its options."""
+    parser.description = (
+        'Look at the port, its adapter, who else uses it, which device speaks on it and how\n'
+        'fast, and at the set-up of ROS and who listens. Each finding comes with the command\n'
+        'that mends it. Nothing is written to the device.')
+    parser.epilog = _EXAMPLES
+    parser.add_argument('--port', help='path or pyserial URL (default: the only adapter there is, '
+                                       f'or {DEFAULT_PORT})')
+    parser.add_argument('--baud-rate', type=int, default=115200, metavar='BAUD',
+                        help='rate to listen at first (default: %(default)s)')
+    parser.add_argument('--namespace', default='', metavar='NAME',
+                        help='namespace of the driver and its topics (default: none)')
+    parser.add_argument('--no-listen', action='store_true',
+                        help='do not open the port')
+    parser.add_argument('--json', action='store_true',
+                        help='print one JSON array of check, level, message and command')
+    parser.add_argument('--root', type=Path, default=Path('/'), help=argparse.SUPPRESS)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Look at everything; 1 if there is a problem."""
+    has_rclpy = _has_rclpy()
+    findings = []
+    console = Console(soft_wrap=True, highlight=False)
+    for finding in _findings(options, has_rclpy):
+        findings.append(finding)
+        if not options.json:
+            _show(console, finding)
+    if options.json:
+        print(json.dumps([{**finding._asdict(), 'level': finding.level.value}
+                          for finding in findings], indent=2))
+    return int(any(finding.level is Level.PROBLEM for finding in findings))
+
+
+def _findings(options: argparse.Namespace, has_rclpy: bool) -> Iterator[Finding]:
+    machine = Machine(options.root)
+    port = options.port or _usual_port(machine)
+    may_listen = not options.no_listen
+    if '://' not in port:
+        for finding in usb_port.look(machine, port, _rule()):
+            yield finding
+            if finding.check in ('port', 'access') and finding.level is Level.PROBLEM \
+                    or finding.check == 'in use' and 'open in' in finding.message:
+                may_listen = False
+    if may_listen:
+        yield from listening.look(str(machine.path(port)) if '://' not in port else port,
+                                  options.baud_rate)
+    yield from ros_environment.look(machine.environment, has_rclpy, Path(sys.prefix))
+    if has_rclpy:
+        yield from _graph(options.namespace)
+
+
+def _has_rclpy() -> bool:
+    # Before anything is said: from PyPI, rclpy may start Python anew to set up its libraries.
+    try:
+        import rclpy  # noqa: F401
+    except ImportError:
+        return False
+    return True
+
+
+def _graph(namespace: str) -> Iterator[Finding]:
+    from bahrs_driver.doctor import graph       # needs ROS, and the doctor must run without
+    import rclpy
+    rclpy.init(args=[])
+    try:
+        yield from graph.look(
+            rclpy.create_node(f'bahrs_doctor_{os.getpid()}', namespace=namespace))
+    finally:
+        rclpy.try_shutdown()
+
+
+def _usual_port(machine: Machine) -> str:
+    found = usb_port.candidates(machine)
+    return found[0] if len(found) == 1 else DEFAULT_PORT
+
+
+def _rule() -> str:
+    """Return where the udev rule is: installed, or in the sources."""
+    with contextlib.suppress(ImportError, LookupError, OSError):
+        from ament_index_python.packages import get_package_share_directory
+        installed = Path(get_package_share_directory('bahrs_driver')) / 'config' / usb_port.RULE
+        if installed.exists():
+            return str(installed)
+    beside = [Path(__file__).resolve().parents[2] / 'config' / usb_port.RULE,
+              Path(sys.prefix) / 'share/bahrs_driver/config' / usb_port.RULE]
+    return str(next((path for path in beside if path.exists()), beside[0]))
+
+
+def _show(console: Console, finding: Finding) -> None:
+    line = Text(f'{finding.level.value:<8}', _STYLES[finding.level])
+    console.print(line + Text(f'{finding.check}: ', 'bold') + Text(finding.message))
+    if finding.command:
+        console.print(Text(f'{"":<8}-> ', 'dim') + Text(finding.command, 'cyan'))

@@ -1,0 +1,8 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What `bahrs doctor` looks at.
+
+`machine` is the computer as its files tell of it, `usb_port`, `listening`, `ros_environment` and
+`graph` each look at one thing and return findings.
+"""

@@ -1,0 +1,95 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the layouts for Foxglove and PlotJuggler: they name what the node publishes."""
+
+from collections.abc import Iterator
+import json
+from pathlib import Path
+import re
+from typing import Any
+from xml.etree import ElementTree
+
+from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.protocol.bahrs import Inertial, Navigation
+from diagnostic_msgs.msg import DiagnosticArray
+import pytest
+
+CONFIG = Path(__file__).resolve().parents[2] / 'config'
+ALL_TOPICS = {**TOPICS, 'diagnostics': DiagnosticArray}
+DERIVED = re.compile(r'(roll|pitch|yaw)_deg')       # by PlotJuggler, from a quaternion
+
+
+def foxglove() -> dict[str, Any]:
+    """Return the layout for Foxglove."""
+    return json.loads((CONFIG / 'foxglove_layout.json').read_text())
+
+
+def panels(node: Any) -> Iterator[str]:
+    """Yield the panels of a Foxglove layout, in tabs, too."""
+    if isinstance(node, str):
+        yield node
+        for tab in foxglove()['configById'][node].get('tabs', []):
+            yield from panels(tab['layout'])
+    else:
+        assert node['direction'] in ('row', 'column') and 0 < node['splitPercentage'] < 100
+        yield from panels(node['first'])
+        yield from panels(node['second'])
+
+
+def foxglove_paths() -> Iterator[str]:
+    """Yield all topics and message paths in it."""
+    for config in foxglove()['configById'].values():
+        yield from (path['value'] for path in config.get('paths', []))
+        yield from config.get('topics', {})
+        yield from filter(None, (config.get('topicPath'), config.get('topicToRender')))
+
+
+def curves() -> list[str]:
+    """Return all curves of the PlotJuggler layout."""
+    root = ElementTree.parse(CONFIG / 'plotjuggler_layout.xml').getroot()
+    return [curve.get('name') for curve in root.iter('curve')]
+
+
+def follow(kind: type, fields: list[str]) -> None:
+    """Walk along the fields of a message; AttributeError or IndexError if one does not exist."""
+    value = kind()
+    for name in fields:
+        value = value[int(name)] if name.isdigit() else getattr(value, name)
+
+
+def test_every_panel_is_shown_and_described():
+    """And each of them once."""
+    shown = list(panels(foxglove()['layout']))
+    assert sorted(shown) == sorted(foxglove()['configById'])
+
+
+@pytest.mark.parametrize('path', sorted(set(foxglove_paths())))
+def test_foxglove_shows_what_is_published(path):
+    """Topic and field exist."""
+    topic, *fields = re.sub(r'\.@.*', '', path).removeprefix('/').split('.', 1)
+    words = re.findall(r'\w+', fields[0]) if fields and '{' not in path else []
+    follow(ALL_TOPICS[topic], words)
+
+
+def test_foxglove_shows_the_integrity_of_every_signal():
+    """And of no other."""
+    names = re.findall(r'name=="(\w+)"', (CONFIG / 'foxglove_layout.json').read_text()
+                       .replace('\\"', '"'))
+    assert names == [*Inertial.SIGNALS, *Navigation.SIGNALS]
+
+
+@pytest.mark.parametrize('curve', sorted(set(curves())))
+def test_plotjuggler_shows_what_is_published(curve):
+    """Topic and field exist."""
+    topic = max((name for name in TOPICS if curve.startswith(f'/{name}/')), key=len)
+    fields = curve.removeprefix(f'/{topic}/').split('/')
+    follow(TOPICS[topic], fields[:-1] if DERIVED.fullmatch(fields[-1]) else fields)
+
+
+def test_plotjuggler_layout_is_whole():
+    """Every splitter has a size for each of its areas."""
+    root = ElementTree.parse(CONFIG / 'plotjuggler_layout.xml').getroot()
+    for splitter in root.iter('DockSplitter'):
+        sizes = [float(size) for size in splitter.get('sizes').split(';')]
+        assert len(sizes) == int(splitter.get('count')) == len(splitter.findall('DockArea'))
+        assert sum(sizes) == pytest.approx(1, abs=1e-3)

@@ -1,0 +1,91 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of what the doctor finds between the driver's publishers and their subscribers."""
+
+import contextlib
+
+from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.doctor.finding import Level
+from bahrs_driver.doctor.graph import look
+from processes import wait_for
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from sensor_msgs.msg import FluidPressure, Imu
+
+
+@contextlib.contextmanager
+def made_node(name):
+    """Make a node in a context of its own, and leave nothing of it behind."""
+    context = Context()
+    rclpy.init(context=context)
+    node = rclpy.create_node(name, context=context, namespace='/made_up')
+    try:
+        yield node
+    finally:
+        node.destroy_node()
+        rclpy.shutdown(context=context)
+
+
+@pytest.fixture
+def node():
+    """Return a node, in a context of its own."""
+    with made_node('patient') as node:
+        yield node
+
+
+def findings(node, publishers, subscribers):
+    """Return what is found when so many of both are known."""
+    def known(endpoints):
+        return sum(info.node_name in ('patient', 'other') for info in endpoints)
+
+    topic = '/made_up/imu/data'
+    assert wait_for(lambda: known(node.get_publishers_info_by_topic(topic)) == publishers
+                    and known(node.get_subscriptions_info_by_topic(topic)) == subscribers, 60)
+    return {finding.check: finding for finding in look(node, 0.0)}
+
+
+def test_no_driver(node):
+    """It is said."""
+    assert 'no driver is heard' in findings(node, 0, 0)['driver'].message
+
+
+def test_a_subscriber_that_fits(node):
+    """There is nothing to mend."""
+    node.create_publisher(Imu, 'imu/data', 100)
+    node.create_subscription(Imu, 'imu/data', print, 10)
+    found = findings(node, 1, 1)
+    assert found['driver'].message == f'publishes 1 of {len(TOPICS)} topics'
+    assert found['subscribers'].level is Level.OK
+
+
+def test_a_subscriber_that_wants_more_than_is_offered(node):
+    """The command is the parameter of the driver that offers it."""
+    node.create_publisher(Imu, 'imu/data', 100)
+    node.create_subscription(Imu, 'imu/data', print, QoSProfile(
+        depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+    finding = findings(node, 1, 1)['subscribers']
+    assert finding.level is Level.PROBLEM
+    assert 'wants durability transient_local, the driver offers volatile' in finding.message
+    assert finding.command.endswith(
+        '-p qos_overrides./made_up/imu/data.publisher.durability:=transient_local')
+
+
+def test_a_subscriber_of_another_type(node):
+    """Both are named."""
+    node.create_publisher(Imu, 'imu/data', 100)
+    with made_node('other') as other:       # in one context the middleware would not have it
+        other.create_subscription(FluidPressure, 'imu/data', print, 10)
+        finding = findings(node, 1, 1)['subscribers']
+    assert finding.level is Level.PROBLEM
+    assert '/made_up/other takes /made_up/imu/data for a sensor_msgs/msg/FluidPressure' \
+        in finding.message
+
+
+def test_two_drivers(node):
+    """One of them needs a namespace."""
+    node.create_publisher(Imu, 'imu/data', 100)
+    node.create_publisher(Imu, 'imu/data', 100)
+    finding = findings(node, 2, 0)['publishers']
+    assert finding.level is Level.PROBLEM and 'both publish' in finding.message

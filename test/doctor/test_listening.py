@@ -1,0 +1,64 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of what the doctor hears on a port."""
+
+from bahrs_driver.doctor import listening
+from bahrs_driver.doctor.finding import Level
+from bahrs_driver.doctor.listening import Heard, look
+from bahrs_driver.emulator.pty_port import PtyPort
+from devices import Device
+import pytest
+
+
+def test_a_device_that_speaks():
+    """Version and rate are told; nothing is written to it."""
+    with PtyPort() as cable, Device(cable):
+        found = list(look(cable.path, 115200, seconds=30.0))
+    assert [finding.level for finding in found] == [Level.OK]
+    assert 'a BAHRS of protocol version 3 sends at 115200 baud' in found[0].message
+
+
+def test_silence():
+    """It is told what to look at."""
+    with PtyPort() as cable:
+        found = list(look(cable.path, 115200, seconds=0.2))
+    assert [finding.level for finding in found] == [Level.PROBLEM]
+    assert 'nothing arrives' in found[0].message
+
+
+def test_no_port():
+    """What opening it says is said."""
+    (finding,) = look('/dev/does_not_exist', 115200)
+    assert finding.level is Level.PROBLEM and 'does not exist' in finding.message
+
+
+@pytest.fixture
+def heard(monkeypatch):
+    """Return a list of the rates listened at; frames come only at the rate that is set."""
+    rates = []
+
+    def listen(port, rate, seconds):
+        rates.append(rate)
+        return Heard(rate, 900, 20 * (rate == heard.speaks_at), 0, 2)
+
+    def heard():
+        return rates
+
+    heard.speaks_at = 0
+    monkeypatch.setattr(listening, 'listen', listen)
+    return heard
+
+
+def test_another_rate(heard):
+    """It is found, and the command has it."""
+    heard.speaks_at = 57600
+    wrong, right = look('/dev/ttyUSB0', 115200)
+    assert wrong.level is Level.PROBLEM and wrong.command.endswith('-p baud_rate:=57600')
+    assert right.level is Level.OK and 'version 2 sends at 57600' in right.message
+
+
+def test_another_device(heard):
+    """All rates are tried, each once."""
+    (finding,) = look('/dev/ttyUSB0', 115200)
+    assert finding.level is Level.PROBLEM and 'no frame of a BAHRS' in finding.message
+    assert sorted(heard()) == sorted(listening.BAUD_RATES)

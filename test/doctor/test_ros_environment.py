@@ -1,0 +1,76 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of what the doctor finds in the variables of ROS."""
+
+from pathlib import Path
+
+from bahrs_driver.doctor.finding import Level
+from bahrs_driver.doctor.ros_environment import look
+import pytest
+
+NOWHERE = Path('/nowhere')
+
+
+@pytest.fixture
+def prefix(tmp_path):
+    """Return a prefix with this package and one middleware."""
+    index = tmp_path / 'share/ament_index/resource_index'
+    for name in ('packages/bahrs_driver', 'rmw_typesupport/rmw_fastrtps_cpp'):
+        (index / name).parent.mkdir(parents=True, exist_ok=True)
+        (index / name).touch()
+    return tmp_path
+
+
+def found(prefix, has_rclpy=True, **variables):
+    """Return what is found, by what was looked at."""
+    environment = {'AMENT_PREFIX_PATH': str(prefix), 'ROS_DISTRO': 'jazzy', **variables}
+    return {finding.check: finding for finding in look(environment, has_rclpy, NOWHERE)}
+
+
+def test_as_it_should_be(prefix):
+    """Nothing to mend."""
+    findings = found(prefix, ROS_DOMAIN_ID='7', RMW_IMPLEMENTATION='rmw_fastrtps_cpp')
+    assert {finding.level for finding in findings.values()} == {Level.OK}
+    assert set(findings) == {'ROS', 'package', 'middleware', 'domain', 'discovery'}
+
+
+def test_not_sourced(prefix):
+    """Nothing else is looked at then."""
+    findings = found(prefix, has_rclpy=False)
+    assert findings['ROS'].command == 'source /opt/ros/jazzy/setup.bash'
+    assert len(findings) == 1
+
+
+@pytest.mark.parametrize('check, level, command, variables', [
+    ('ROS', Level.ADVICE, 'source /opt/ros/jazzy/setup.bash', {'ROS_DISTRO': 'humble'}),
+    ('ROS', Level.PROBLEM, 'env -i HOME="$HOME" bash --rcfile /opt/ros/jazzy/setup.bash',
+     {'AMENT_PREFIX_PATH': '/opt/ros/humble:/opt/ros/jazzy'}),
+    ('package', Level.ADVICE, 'source install/setup.bash',
+     {'AMENT_PREFIX_PATH': '/opt/ros/jazzy'}),
+    ('middleware', Level.PROBLEM, 'sudo apt install ros-jazzy-rmw-cyclonedds-cpp',
+     {'RMW_IMPLEMENTATION': 'rmw_cyclonedds_cpp'}),
+    ('domain', Level.PROBLEM, 'export ROS_DOMAIN_ID=0', {'ROS_DOMAIN_ID': '300'}),
+    ('domain', Level.PROBLEM, 'export ROS_DOMAIN_ID=0', {'ROS_DOMAIN_ID': 'mine'}),
+    ('discovery', Level.PROBLEM, 'unset ROS_AUTOMATIC_DISCOVERY_RANGE',
+     {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'OFF'}),
+    ('discovery', Level.PROBLEM, 'unset ROS_AUTOMATIC_DISCOVERY_RANGE',
+     {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'HERE'}),
+])
+def test_what_is_wrong(prefix, check, level, command, variables):
+    """With the command that mends it."""
+    finding = found(prefix, **variables)[check]
+    assert (finding.level, finding.command) == (level, command)
+
+
+def test_what_is_out_of_use(prefix):
+    """Advice only, beside the rest."""
+    environment = {'AMENT_PREFIX_PATH': str(prefix), 'ROS_LOCALHOST_ONLY': '1'}
+    findings = list(look(environment, True, NOWHERE))
+    assert 'unset ROS_LOCALHOST_ONLY' in [finding.command for finding in findings]
+
+
+def test_ros_from_python_packages():
+    """There is no prefix to look at, and nothing to source."""
+    findings = {finding.check: finding for finding in look({}, True, NOWHERE)}
+    assert findings['ROS'].level is Level.OK and '/nowhere' in findings['ROS'].message
+    assert 'package' not in findings
