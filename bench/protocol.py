@@ -21,6 +21,7 @@ from bahrs_driver.link import Link
 from bahrs_driver.parameters import PARAMETERS
 from bahrs_driver.protocol.bahrs import Accuracy, Inertial, InertialTime, Navigation
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.batch import Batch
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.sensors import bahrs
@@ -96,11 +97,19 @@ def main() -> None:
 
     count = len(pieces)
     base = best(floor, count)
+
+    def batch() -> None:
+        whole = Batch(codec.layouts_by_header)
+        whole.add(found)
+        for kind in (Inertial, Navigation, InertialTime, Accuracy):
+            whole.take(kind)
+
     rows = [
         ('floor', base),
         (f'framing, chunks of {CHUNK} bytes', best(framing, count)),
         ('framing, byte by byte', best(lambda: framing(1), count)),
         ('decoding', best(lambda: [codec.decode(frame) for frame in found], count)),
+        ('decoding all at once', best(batch, count)),
         ('converting to ROS messages', best(convert, count)),
         ('emulating the device', best(emulate, count)),
     ]

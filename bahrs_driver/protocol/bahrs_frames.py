@@ -122,16 +122,16 @@ class BahrsCodec:
     def __init__(self, height_format: HeightFormat = 'uint16') -> None:
         """Read and write the pressure height in the given format."""
         self._layouts = layouts(height_format)
-        self._by_header = {HEADER.pack(MARKER, *key): layout
-                           for key, layout in self._layouts.items()}
+        self.layouts_by_header = {HEADER.pack(MARKER, *key): layout
+                                  for key, layout in self._layouts.items()}
 
     def decode(self, frame: Frame) -> BahrsMessage:
         """Return the message of an intact frame."""
-        return self._by_header[frame.data[:HEADER.size]].decode(frame.data, HEADER.size)
+        return self.layouts_by_header[frame.data[:HEADER.size]].decode(frame.data, HEADER.size)
 
     def raw(self, frame: Frame) -> dict[str, object]:
         """Return the numbers of an intact frame as they stand on the wire, by field name."""
-        return self._by_header[frame.data[:HEADER.size]].raw(frame.data, HEADER.size)
+        return self.layouts_by_header[frame.data[:HEADER.size]].raw(frame.data, HEADER.size)
 
     def encode(self, message: BahrsMessage, version: int, checksum: Checksum | None = None,
                padded: bool | None = None) -> bytes:

@@ -36,6 +36,11 @@ class Row:
     unit: str = ''
     reserved: int = 0
 
+    @property
+    def plain(self) -> bool:
+        """Whether the raw number is the value."""
+        return self.decode in (_same, tuple)
+
 
 def _same(value: Any) -> Any:
     return value
@@ -163,6 +168,7 @@ class Layout(Generic[Message]):
                  replace: Mapping[str, Row] | None = None) -> None:
         """Compile the rows of message, some of them replaced by name."""
         self.message = message
+        self.byte_order = byte_order
         self._rows: list[tuple[str, Row, struct.Struct]] = []
         self._steps: list[tuple[Callable[[Any], Any], int | slice]] = []
         codes, position = '', 0
@@ -177,6 +183,11 @@ class Layout(Generic[Message]):
             position += row.count
         self._struct = struct.Struct(byte_order + codes)
         self.size = self._struct.size
+
+    @property
+    def rows(self) -> list[tuple[str, Row]]:
+        """Names and rows of the fields, in order."""
+        return [(name, row) for name, row, _ in self._rows]
 
     def raw(self, payload: bytes, start: int = 0) -> dict[str, Any]:
         """Return the numbers as they stand on the wire, by field name."""

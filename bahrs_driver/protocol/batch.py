@@ -1,0 +1,135 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A whole recording at once, in numpy arrays.
+
+The rows of the codec's layouts do the work here, too, so that both always agree: where a field
+has 8 or 16 bits its row decodes each of the values that there are once, and the rest is looking
+up. Frames are collected by what their header says; a message then is a structured array with
+
+    offset      of the frame's first byte in the stream
+    ...         the fields of the message, SI: vectors as (n, 3), health as (n, signals) of the
+                numbers of Integrity, what is None in a message as NaN, texts as objects
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from enum import IntEnum
+from functools import lru_cache
+from typing import Any
+
+from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.protocol.layout import Layout, Row
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+_PENDING = 65536        # frames kept as such, before they are packed
+_LOOKED_UP = 2          # bytes of a field up to which every value is decoded beforehand
+
+
+class Batch:
+    """Collects frames, and decodes all of a kind at once."""
+
+    def __init__(self, layouts: Mapping[bytes, Layout[Any]]) -> None:
+        """Take the layout by the header that goes with it; all headers have the same size."""
+        self._layouts = layouts
+        (self._header_size,) = {len(header) for header in layouts}
+        self._pending: dict[bytes, list[Frame]] = defaultdict(list)
+        self._packed: dict[bytes, list[tuple[Array, bytes]]] = defaultdict(list)
+        self._count = 0
+
+    def add(self, frames: Iterable[Frame]) -> None:
+        """Take the next frames of a stream."""
+        for frame in frames:
+            self._pending[frame.data[:self._header_size]].append(frame)
+            self._count += 1
+        if self._count >= _PENDING:
+            self._pack()
+
+    def counts(self) -> dict[bytes, int]:
+        """Return how many frames there are by header."""
+        self._pack()
+        return {header: sum(len(offsets) for offsets, _ in parts)
+                for header, parts in self._packed.items()}
+
+    def take(self, message: type) -> Array:
+        """Return all messages of a kind, whatever their version, in stream order; forget them."""
+        self._pack()
+        found = [table(self._layouts[header], payloads, offsets)
+                 for header in [header for header in self._packed
+                                if self._layouts[header].message is message]
+                 for offsets, payloads in self._packed.pop(header)]
+        if not found:
+            layout = next(layout for layout in self._layouts.values()
+                          if layout.message is message)
+            return table(layout, b'', np.empty(0, np.int64))
+        joined = np.concatenate(found)
+        return joined[np.argsort(joined['offset'], kind='stable')]
+
+    def _pack(self) -> None:
+        for header, frames in self._pending.items():
+            size = self._layouts[header].size
+            payload = slice(self._header_size, self._header_size + size)
+            offsets = np.fromiter((frame.offset for frame in frames), np.int64, len(frames))
+            self._packed[header].append(
+                (offsets, b''.join([frame.data[payload] for frame in frames])))
+        self._pending.clear()
+        self._count = 0
+
+
+def table(layout: Layout[Any], payloads: bytes, offsets: Array) -> Array:
+    """Return messages of one layout from their payloads, one after the other."""
+    wire = np.dtype([(name, *_wire_type(row, layout.byte_order)) for name, row in layout.rows])
+    raw = np.frombuffer(payloads, wire, len(offsets)) if wire.itemsize \
+        else np.empty(len(offsets), wire)
+    columns = [(name, _column(row, raw[name])) for name, row in layout.rows]
+    result = np.empty(len(offsets), [('offset', np.int64)] + [
+        (name, column.dtype, column.shape[1:]) for name, column in columns])
+    result['offset'] = offsets
+    for name, column in columns:
+        result[name] = column
+    return result
+
+
+def _wire_type(row: Row, byte_order: str) -> tuple[Any, ...]:
+    """Return the numpy type of a field on the wire, and its shape."""
+    if row.code.endswith('s'):
+        return (f'V{row.code[:-1]}',)
+    kind = np.dtype(byte_order + row.code)
+    return (kind,) if row.count == 1 else (kind, (row.count,))
+
+
+def _column(row: Row, raw: Array) -> Array:
+    """Return the values of a field."""
+    if row.code.endswith('s'):
+        values = np.empty(len(raw), object)
+        values[:] = [row.decode(bytes(item)) for item in raw]
+        return values
+    if row.plain:
+        return raw.astype(raw.dtype.newbyteorder('='))
+    if raw.dtype.itemsize <= _LOOKED_UP:
+        return _every_value(row)[raw.astype(f'u{raw.dtype.itemsize}')]
+    values, places = np.unique(raw, return_inverse=True)
+    return _decoded(row, values)[places.reshape(raw.shape)]
+
+
+@lru_cache(maxsize=256)
+def _every_value(row: Row) -> Array:
+    """Return what each value of a small field stands for, by its bits as an unsigned number."""
+    kind = np.dtype(row.code)
+    bits = np.arange(256 ** kind.itemsize, dtype=f'u{kind.itemsize}')
+    return _decoded(row, bits.view(kind))
+
+
+def _decoded(row: Row, values: Array) -> Array:
+    """Decode values one by one. A row that repeats treats all its components alike."""
+    items = values.tolist()
+    if row.count > 1:
+        return np.array([row.decode((item,) * row.count)[0] for item in items], float)
+    found = [row.decode(item) for item in items]
+    if found and isinstance(found[0], tuple):
+        assert all(isinstance(part, IntEnum) for part in found[0])
+        return np.array(found, np.uint8)
+    return np.array([np.nan if item is None else item for item in found])

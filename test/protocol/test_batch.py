@@ -1,0 +1,116 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of decoding all at once: equal to decoding one by one, to the last bit."""
+
+import dataclasses
+from dataclasses import dataclass
+import math
+
+from bahrs_driver.protocol.bahrs import Accuracy, Inertial, layouts, MESSAGES, Navigation
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.batch import Batch, table
+from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.protocol.layout import (
+    integer, integers, Layout, real, reals, scaled, text, Vector, vector, wire,
+)
+from hypothesis import given, settings, strategies as st
+import numpy as np
+import pytest
+from shared_files import shared_file
+
+LAYOUTS = list(layouts().values()) + list(layouts('int16').values())
+
+
+@dataclass(frozen=True)
+class Strange:
+    """A message of another device: other rows, other byte order."""
+
+    name: str = wire(text(4))
+    force: Vector = wire(vector('i', 1e-6, 'm/s^2'))
+    height: float = wire(scaled('I', 0.001, 'm', -500.0))
+    latitude: float = wire(real('d', 'degree'))
+    field: tuple[float, float, float] = wire(reals('f', 3, 'T'))
+    counts: tuple[int, int] = wire(integers('H', 2))
+    signed: int = wire(integer('b'))
+
+
+def same(value, element):
+    """Return whether an element of an array is what the codec made of the same bytes."""
+    if isinstance(value, tuple):
+        return len(value) == len(element) and all(map(same, value, element))
+    if value is None or isinstance(value, float) and math.isnan(value):
+        return math.isnan(element)
+    return value == element
+
+
+def check(layout, payloads, array):
+    """Compare every field of every message."""
+    assert len(array) == len(payloads)
+    for payload, row in zip(payloads, array):
+        message = layout.decode(payload)
+        for item in dataclasses.fields(layout.message):
+            assert same(getattr(message, item.name), row[item.name]), item.name
+
+
+@pytest.mark.parametrize('layout', [
+    *LAYOUTS, Layout(Strange), Layout(Strange, byte_order='>')])
+@settings(deadline=None)        # the first of each row decodes all values there are
+@given(data=st.data())
+def test_any_bytes_are_read_as_the_codec_reads_them(layout, data):
+    """Every message of every version, and those of a device with other rows."""
+    payloads = data.draw(st.lists(
+        st.binary(min_size=layout.size, max_size=layout.size), max_size=5))
+    offsets = np.arange(len(payloads)) * 10
+    array = table(layout, b''.join(payloads), offsets)
+    check(layout, payloads, array)
+    assert array['offset'].tolist() == offsets.tolist()
+
+
+def test_columns():
+    """Vectors and health have their components, what is invalid is NaN."""
+    codec = BahrsCodec()
+    safe = (Integrity.SAFE,) * 5 + (Integrity.INTEGRITY_RISK,)
+    messages = [Inertial(3, (0.0, 1.4964e-3, 0.0), (0.0, 0.0, 0.0), safe),
+                Accuracy(4, None, 9.587526e-5, None, 10 ** 15)]
+    framer, batch = Framer(BahrsFormat()), Batch(codec.layouts_by_header)
+    batch.add(framer.feed(b''.join(codec.encode(message, 3) for message in messages)))
+    inertial, accuracy = batch.take(Inertial), batch.take(Accuracy)
+    assert inertial['specific_force'].shape == (1, 3)
+    assert inertial['specific_force'][0, 1] == 1.4964e-3
+    assert inertial['health'].tolist() == [[1, 1, 1, 1, 1, 2]]
+    assert np.isnan(accuracy['north_std'][0]) and accuracy['east_std'][0] == 9.587526e-5
+    assert accuracy['device_time_us'][0] == 10 ** 15
+    assert len(batch.take(Navigation)) == 0
+
+
+def test_versions_mixed():
+    """Stream order is kept, each with the scale of its version."""
+    codec, framer = BahrsCodec(), Framer(BahrsFormat())
+    force, safe = (1.0, 2.0, 3.0), (Integrity.SAFE,) * 6
+    sent = [(Inertial(index, force, (0.0, 0.0, 0.0), safe), 2 + index % 2) for index in range(9)]
+    batch = Batch(codec.layouts_by_header)
+    frames = framer.feed(b''.join(codec.encode(*each) for each in sent))
+    batch.add(frames)
+    assert sorted(batch.counts().values()) == [4, 5]
+    array = batch.take(Inertial)
+    assert array['sequence'].tolist() == list(range(9))
+    for frame, row in zip(frames, array):
+        assert same(codec.decode(frame).specific_force, row['specific_force'])
+
+
+def test_a_whole_recording():
+    """Counts and values of every message of a real device."""
+    data = shared_file('data/bahrs_recording_v2.bin').read_bytes()
+    codec, framer = BahrsCodec(), Framer(BahrsFormat())
+    batch = Batch(codec.layouts_by_header)
+    frames = framer.feed(data) + framer.flush()
+    batch.add(frames)
+    for kind in MESSAGES:
+        wanted = [frame for frame in frames if frame.data[4] == kind.TYPE]
+        array = batch.take(kind)
+        assert array['offset'].tolist() == [frame.offset for frame in wanted]
+        for frame, row in list(zip(wanted, array))[::97]:
+            message = codec.decode(frame)
+            assert all(same(getattr(message, item.name), row[item.name])
+                       for item in dataclasses.fields(kind))
