@@ -21,6 +21,7 @@ VERBS = {
     'nvm': 'read the non-volatile memory of a device, or show an image of it',
     'record': 'record the topics of the driver into a bag',
     'replay': 'play a recorded stream of bytes on a serial port',
+    'report': 'write a page about a recording, for people',
 }
 
 

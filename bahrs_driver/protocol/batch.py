@@ -104,15 +104,16 @@ def _wire_type(row: Row, byte_order: str) -> tuple[Any, ...]:
 def _column(row: Row, raw: Array) -> Array:
     """Return the values of a field."""
     if row.code.endswith('s'):
-        values = np.empty(len(raw), object)
+        values: Array = np.empty(len(raw), object)
         values[:] = [row.decode(bytes(item)) for item in raw]
         return values
     if row.plain:
         return raw.astype(raw.dtype.newbyteorder('='))
     if raw.dtype.itemsize <= _LOOKED_UP:
-        return _every_value(row)[raw.astype(f'u{raw.dtype.itemsize}')]
-    values, places = np.unique(raw, return_inverse=True)
-    return _decoded(row, values)[places.reshape(raw.shape)]
+        found: Array = _every_value(row)[raw.astype(f'u{raw.dtype.itemsize}')]
+        return found
+    different, places = np.unique(raw, return_inverse=True)
+    return _decoded(row, different)[places.reshape(raw.shape)]
 
 
 @lru_cache(maxsize=256)

@@ -1,0 +1,90 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""`bahrs report`: a recording on one page, for people."""
+
+import argparse
+import json
+import os
+from pathlib import Path
+
+from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.recording.capture import Capture, read_capture
+from bahrs_driver.recording.errors import CaptureError
+from bahrs_driver.report.clock import clock_story
+from bahrs_driver.report.findings import findings
+from bahrs_driver.report.gather import gather, Recording
+from bahrs_driver.report.page import page
+from bahrs_driver.whole_file import write_whole
+from rich.console import Console
+from rich.progress import Progress
+
+_EXAMPLES = """examples:
+  bahrs report flight.bin                       writes flight.html beside it
+  bahrs report flight_bag -o report.html        a bag that holds raw tells of the clocks, too
+  bahrs report flight.bin --json                the findings, for a script
+
+exit status: 0, or 1 if there is nothing to report on
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the verb and its options."""
+    parser.description = (
+        'Write one self-contained page of HTML about a recording of a BAHRS: what it holds,\n'
+        'integrity, motion, clock, noise at rest, and findings in words.')
+    parser.epilog = _EXAMPLES
+    parser.add_argument('input', help='file of bytes as the device sent them, or a bag that '
+                                      'holds the topic raw')
+    parser.add_argument('-o', '--output', metavar='FILE',
+                        help='page to write (default: beside the recording, with .html)')
+    parser.add_argument('--topic', help="the bag's topic of raw bytes, if there are several")
+    parser.add_argument('--crc', choices=('auto', 'word', 'byte'), default='auto',
+                        help='order of the CRC (default: %(default)s)')
+    parser.add_argument('--pressure-height', choices=('uint16', 'int16'), default='uint16',
+                        help='format of the pressure height (default: %(default)s)')
+    parser.add_argument('--json', action='store_true',
+                        help='write no page: print counts and findings as one JSON object')
+
+
+def run(options: argparse.Namespace) -> int:
+    """Read the recording and write the page; 1 if there is nothing in it."""
+    try:
+        capture = read_capture(options.input, options.topic)
+        if capture.sensor not in (None, 'bahrs'):
+            raise CommandError(f'{options.input} is of a {capture.sensor}: there are only reports '
+                               'of a bahrs')
+        recording = _gather(options, capture)
+    except CaptureError as error:
+        raise CommandError(str(error)) from error
+    if not recording.counters.frames:
+        raise CommandError(f'no frame of a BAHRS in the {recording.size:,} bytes of '
+                           f'{options.input}')
+    if options.json:
+        print(json.dumps(_record(recording), ensure_ascii=False))
+        return 0
+    target = Path(options.output or Path(options.input).with_suffix('.html'))
+    try:
+        write_whole(target, ''.join(page(recording)).encode())
+    except OSError as error:
+        raise CommandError(f'cannot write {target}: {error.strerror}') from error
+    print(target)
+    return 0
+
+
+def _gather(options: argparse.Namespace, capture: Capture) -> Recording:
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+        task = progress.add_task(os.path.basename(options.input), total=capture.size or None)
+        return gather(capture, options.crc, options.pressure_height,
+                      lambda: progress.update(task, completed=capture.done))
+
+
+def _record(recording: Recording) -> dict[str, object]:
+    story = clock_story(recording)
+    return {
+        'name': recording.name, 'bytes': recording.size,
+        'duration': round(recording.duration, 3), 'counts': recording.counts,
+        'versions': recording.versions, 'crc_failures': recording.counters.crc_failures,
+        'skipped_bytes': recording.counters.skipped_bytes,
+        'drift_ppm': None if story is None else story.drift_ppm,
+        'findings': [finding._asdict() for finding in findings(recording, story)]}

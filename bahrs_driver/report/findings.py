@@ -1,0 +1,211 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is to be known about a recording, in words: the worst first."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from bahrs_driver.protocol.bahrs import (
+    FORCE, FORCE_2, HEIGHT, HEIGHT_OFFSET, RATE, RATE_2, VELOCITY,
+)
+from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.report.clock import ClockStory
+from bahrs_driver.report.gather import Recording, Signals
+from bahrs_driver.report.timeline import Array
+import numpy as np
+
+GOOD, NOTICE, WARNING, ERROR = 'good', 'notice', 'warning', 'error'
+_ORDER = (ERROR, WARNING, NOTICE, GOOD)
+
+LONG_GAP = 0.1              # s
+MANY = 5                    # places named one by one
+DRIFT_LIMIT = 100.0         # ppm, beyond which a crystal is not well
+LATE_LIMIT = 0.02           # s by which 99 of 100 samples should have come
+HELD_BACK = 60              # bytes a read, from which on an adapter holds them back
+HIGHEST_RAW = 32767
+INERTIAL_RATE, NAVIGATION_RATE = 200.0, 100.0       # Hz
+RATE_TOLERANCE = 0.02
+WORDS = {Integrity.INTEGRITY_RISK: 'at integrity risk', Integrity.UNAVAILABLE: 'unavailable',
+         Integrity.RESERVED: 'of undefined integrity'}
+
+
+class Finding(NamedTuple):
+    """A sentence, and how much it matters."""
+
+    level: str
+    text: str
+
+
+def findings(recording: Recording, story: ClockStory | None) -> list[Finding]:
+    """Return all of them, the worst first."""
+    found = [*_framing(recording), *_breaks(recording), *_rates(recording),
+             *_integrity(recording), *_saturation(recording), *_clock(recording, story),
+             *_device(recording), *(Finding(WARNING, note) for note in recording.notes)]
+    return sorted(found, key=lambda finding: _ORDER.index(finding.level))
+
+
+def clock_time(seconds: float) -> str:
+    """Return a time since the beginning as minutes and seconds, or with hours."""
+    if seconds >= 3600:
+        return f'{int(seconds // 3600)}:{int(seconds % 3600 // 60):02d}:{seconds % 60:04.1f}'
+    return f'{int(seconds // 60)}:{seconds % 60:04.1f}'
+
+
+def _framing(recording: Recording) -> Iterator[Finding]:
+    counters = recording.counters
+    if counters.crc_failures or counters.skipped_bytes:
+        share = counters.crc_failures / (counters.crc_failures + counters.frames)
+        yield Finding(
+            ERROR if share > 0.1 else WARNING,
+            f'{counters.crc_failures:,} damaged frames ({share:.2%}) and '
+            f'{counters.skipped_bytes:,} bytes that belong to none: look at cable, ground and '
+            'baud rate.')
+    else:
+        yield Finding(GOOD, f'All {counters.frames:,} frames are intact; no byte is left over.')
+    if counters.unknown_types:
+        names = ', '.join(f'{name} ({count:,})'
+                          for name, count in sorted(counters.unknown_types.items()))
+        yield Finding(NOTICE, f'Intact frames of unknown type: {names}.')
+
+
+def _breaks(recording: Recording) -> Iterator[Finding]:
+    axis = recording.timeline
+    lost = [found for found in axis.breaks if found.kind == 'lost']
+    if lost:
+        missing = sum(found.missing for found in lost)
+        share = missing / (missing + len(axis.seconds))
+        worst = max(lost, key=lambda found: found.missing)
+        yield Finding(WARNING, f'{missing:,} inertial samples are missing ({share:.2%}), at '
+                      f'{len(lost):,} places; the longest gap is {worst.seconds:.3f} s at '
+                      f'{clock_time(axis.seconds[worst.index])}.')
+    else:
+        yield Finding(GOOD, 'No inertial sample is missing.')
+    for kind, level, text in (
+            ('paused', NOTICE, 'The device sent nothing for {seconds:.1f} s before {when}, and '
+                               'counted no samples meanwhile.'),
+            ('restarted', WARNING, 'The device was switched on anew before {when}; how long it '
+                                   'was off, nothing tells: {seconds:.0f} s are shown.')):
+        these = [found for found in axis.breaks if found.kind == kind]
+        for found in these[:MANY]:
+            yield Finding(level, text.format(seconds=found.seconds,
+                                             when=clock_time(axis.seconds[found.index])))
+        if len(these) > MANY:
+            yield Finding(level, f'So it did at {len(these) - MANY:,} more places.')
+    if axis.rejected:
+        yield Finding(NOTICE, f'{axis.rejected:,} time messages contradict those around them.')
+
+
+def _rates(recording: Recording) -> Iterator[Finding]:
+    paused = sum(found.seconds for found in recording.timeline.breaks if found.kind != 'lost')
+    flowing = recording.duration - paused
+    if flowing < 1.0:
+        yield Finding(WARNING, f'There is only {recording.duration:.1f} s of data.')
+        return
+    for signals, name, nominal in ((recording.inertial, 'inertial', INERTIAL_RATE),
+                                   (recording.navigation, 'navigation', NAVIGATION_RATE)):
+        rate = len(signals.seconds) / flowing
+        if abs(rate / nominal - 1) > RATE_TOLERANCE:
+            yield Finding(WARNING, f'{name.capitalize()} messages come {rate:.1f} times a second '
+                                   f'instead of {nominal:.0f}.')
+
+
+def _integrity(recording: Recording) -> Iterator[Finding]:
+    """Tell which signals were not safe, those together that were so at the same times."""
+    alike: dict[tuple[str, str], list[str]] = {}
+    for signals in (recording.inertial, recording.navigation):
+        for index, name in enumerate(signals.names):
+            for level, text in _signal(signals, index):
+                alike.setdefault((level, text), []).append(name.replace('_', ' '))
+    for (level, text), names in alike.items():
+        yield Finding(level, f'{_listed(names).capitalize()}: {text}.')
+    if not alike and len(recording.inertial.seconds):
+        yield Finding(GOOD, 'All signals are safe throughout.')
+
+
+def _listed(names: list[str]) -> str:
+    """Return names as a text, those of a whole vector together."""
+    for quantity in ('specific force', 'angular rate'):
+        components = [f'{quantity} {axis}' for axis in 'xyz']
+        if set(components) <= set(names):
+            names = [quantity] + [name for name in names if name not in components]
+    return ', '.join(names[:-1]) + ' and ' + names[-1] if len(names) > 1 else names[0]
+
+
+def _signal(signals: Signals, index: int) -> Iterator[tuple[str, str]]:
+    """Yield how much it matters that a signal was not safe, and when it was so."""
+    health, seconds = signals.health[:, index], signals.seconds
+    for state, words in WORDS.items():
+        where = np.flatnonzero(health == state)
+        if not len(where):
+            continue
+        if len(where) == len(health):
+            yield WARNING, f'{words} throughout'
+            continue
+        stretches = 1 + int((np.diff(where) > 1).sum())
+        total = len(where) * float(np.median(np.diff(seconds)))
+        places = '' if stretches == 1 else f' in {stretches:,} stretches'
+        yield (WARNING if total > 1.0 else NOTICE,
+               f'{words} for {total:.2f} s{places}, first at {clock_time(seconds[where[0]])}')
+
+
+def _saturation(recording: Recording) -> Iterator[Finding]:
+    old = max(recording.versions, default=3) < 3
+    inertial, navigation = recording.inertial, recording.navigation
+    for values, scale, name in (
+            (inertial.values['specific_force'], FORCE_2 if old else FORCE, 'specific force'),
+            (inertial.values['angular_rate'], RATE_2 if old else RATE, 'angular rate'),
+            (navigation.values['velocity_down'], VELOCITY, 'vertical velocity')):
+        yield from _at_limit(abs(values) >= (HIGHEST_RAW - 0.5) * scale, name)
+    height = navigation.values['pressure_height']
+    safe = navigation.health[:, 0] == Integrity.SAFE
+    highest = HEIGHT_OFFSET + (2 * HIGHEST_RAW + 0.5) * HEIGHT
+    yield from _at_limit(safe & ((height <= HEIGHT_OFFSET) | (height >= highest)),
+                         'pressure height')
+
+
+def _at_limit(where: Array, name: str) -> Iterator[Finding]:
+    count = int(where.any(axis=1).sum() if where.ndim > 1 else where.sum())
+    if count:
+        yield Finding(WARNING, f'The {name} is at the end of its range in {count:,} samples: it '
+                               'is more than can be measured or sent.')
+
+
+def _clock(recording: Recording, story: ClockStory | None) -> Iterator[Finding]:
+    axis = recording.timeline
+    if axis.label_ahead is None:
+        yield Finding(WARNING, 'There is no inertial time message: samples are spaced by their '
+                               'nominal period.')
+    elif axis.label_ahead == 1:
+        yield Finding(GOOD, 'Time messages name the sample after the one they are about, as '
+                            'known devices do; the driver reads them so by itself.')
+    elif axis.label_ahead == 0:
+        yield Finding(NOTICE, 'Time messages name the sample just sent, as the document says.')
+    else:
+        yield Finding(WARNING, f'Time messages name a sample {axis.label_ahead} ahead of the one '
+                               'just sent, which no known device does.')
+    if story is None:
+        return
+    if story.drift_ppm is not None and abs(story.drift_ppm) > DRIFT_LIMIT:
+        yield Finding(WARNING, f"The device's clock drifts {story.drift_ppm:+.1f} ppm against the "
+                               f"host's, more than {DRIFT_LIMIT:.0f}: one of them is not well.")
+    if story.late_99 > LATE_LIMIT:
+        yield Finding(NOTICE, f'One of 100 samples comes more than {story.late_99 * 1e3:.0f} ms '
+                              'late: the host was busy, or the adapter holds bytes back.')
+    if story.read_bytes > HELD_BACK:
+        yield Finding(NOTICE, f'Reads bring {story.read_bytes} bytes at a time: a latency timer '
+                              'of 1 ms would bring them sooner ("bahrs doctor" says how).')
+    if story.host_steps:
+        yield Finding(WARNING, f"The host's clock was set {story.host_steps} times.")
+
+
+def _device(recording: Recording) -> Iterator[Finding]:
+    if recording.software is None:
+        yield Finding(NOTICE, 'No software version was heard: the device tells it only at '
+                              'power-on, so the recording began later, or its version is old.')
+    if len(recording.versions) > 1:
+        yield Finding(WARNING, 'Frames of several protocol versions are mixed: '
+                      + ', '.join(f'{count:,} of version {version}'
+                                  for version, count in sorted(recording.versions.items())) + '.')
+    if recording.openings > 1:
+        yield Finding(NOTICE, f'The port was opened {recording.openings} times while this was '
+                              'recorded.')

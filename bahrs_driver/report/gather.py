@@ -1,0 +1,151 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""A recording of a BAHRS, read into arrays a piece at a time."""
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from bahrs_driver.protocol.bahrs import (
+    Accuracy, HardwareVersion, Inertial, InertialTime, Navigation, NavigationTime,
+    SoftwareVersion, SyncPulseTime,
+)
+from bahrs_driver.protocol.bahrs_frames import (
+    BahrsCodec, BahrsFormat, frame_size, frame_version, HEADER, MARKER,
+)
+from bahrs_driver.protocol.batch import Batch
+from bahrs_driver.protocol.framing import Framer, FramingCounters
+from bahrs_driver.recording.capture import Capture
+from bahrs_driver.report.timeline import Array, Timeline, timeline
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Signals:
+    """Messages of a kind: when each was measured (s), its values, what they are worth."""
+
+    seconds: Array
+    values: dict[str, Array]            # by the name of the field; float32
+    health: Array                       # (n, signals), the numbers of Integrity
+    names: tuple[str, ...]              # of the signals
+
+
+@dataclass(frozen=True)
+class Reads:
+    """What each read of the host brought."""
+
+    ros_ns: Array
+    received: Array                     # bytes of the stream by then
+    byte_ns: int                        # that a byte takes on the line; 0 if not known
+
+
+@dataclass(frozen=True)
+class Recording:
+    """All that a report is made of."""
+
+    name: str
+    size: int                           # bytes of the stream
+    counters: FramingCounters
+    counts: dict[str, int]              # frames by the name of the message
+    versions: dict[int, int]            # frames by protocol version
+    crc_order: str | None
+    software: SoftwareVersion | None
+    hardware: HardwareVersion | None
+    timeline: Timeline
+    inertial: Signals
+    navigation: Signals
+    accuracy: Signals
+    pulses: Array                       # when sync pulses came, s
+    navigation_label: int | None        # how many ahead the sample is that time messages name
+    reads: Reads | None
+    inertial_end: Array                 # offset of the byte after each inertial frame
+    openings: int                       # of the port
+    notes: list[str]
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the first sample to the last."""
+        return float(self.timeline.seconds[-1]) if len(self.timeline.seconds) else 0.0
+
+
+def gather(capture: Capture, crc: Any = 'auto', height_format: Any = 'uint16',
+           progress: Callable[[], None] = lambda: None) -> Recording:
+    """Read a capture; progress is called after each piece. CaptureError if it cannot be read."""
+    frame_format, codec = BahrsFormat(crc), BahrsCodec(height_format)
+    framer, batch = Framer(frame_format), Batch(codec.layouts_by_header)
+    times: list[int] = []
+    received: list[int] = []
+    opening = openings = 0
+    for chunk in capture.chunks():
+        if chunk.opening != opening:
+            batch.add(framer.flush())
+            opening, openings = chunk.opening, openings + 1
+        batch.add(framer.feed(chunk.data))
+        if chunk.read_at is not None:
+            times.append(chunk.read_at)
+            received.append(framer.received)
+        progress()
+    batch.add(framer.flush())
+    reads = Reads(np.array(times), np.array(received), capture.byte_ns or 0) if times else None
+    return _recording(capture, batch, framer, frame_format, codec, reads, openings)
+
+
+def _recording(capture: Capture, batch: Batch, framer: Framer, frame_format: BahrsFormat,
+               codec: BahrsCodec, reads: Reads | None, openings: int) -> Recording:
+    counts, versions = Counter[str](), Counter[int]()
+    for header, count in batch.counts().items():
+        counts[codec.layouts_by_header[header].message.NAME] += count
+        versions[frame_version(header)] += count
+    inertial, navigation = batch.take(Inertial), batch.take(Navigation)
+    axis = timeline(inertial['offset'], inertial['sequence'], batch.take(InertialTime))
+    offsets = inertial['offset'].copy()
+
+    def when(array: Array) -> Array:
+        """Return when messages were measured: with the inertial sample before them."""
+        if not len(offsets):
+            return np.arange(len(array)) * 0.01
+        return np.asarray(axis.seconds[np.searchsorted(offsets, array['offset']).clip(1) - 1])
+
+    software, hardware = batch.take(SoftwareVersion), batch.take(HardwareVersion)
+    return Recording(
+        capture.path.name, framer.received, framer.counters, dict(counts), dict(versions),
+        frame_format.order_seen,
+        SoftwareVersion(*_last(software)) if len(software) else None,
+        HardwareVersion(*_last(hardware)) if len(hardware) else None,
+        axis, _signals(Inertial, axis.seconds, inertial),
+        _signals(Navigation, when(navigation), navigation),
+        _signals(Accuracy, when(accuracy := batch.take(Accuracy)), accuracy),
+        when(batch.take(SyncPulseTime)), _label(navigation, batch.take(NavigationTime)), reads,
+        offsets + _inertial_size(codec, versions), openings, capture.notes)
+
+
+def _signals(kind: type[Any], seconds: Array, array: Array) -> Signals:
+    names = [name for name in array.dtype.names or ()
+             if name not in ('offset', 'sequence', 'health', 'device_time_us')]
+    health = array['health'].copy() if kind.SIGNALS else np.empty((len(array), 0), np.uint8)
+    return Signals(seconds, {name: array[name].astype(np.float32) for name in names}, health,
+                   kind.SIGNALS)
+
+
+def _last(array: Array) -> list[Any]:
+    """Return the fields of the last message."""
+    return [item if isinstance(item, str) else tuple(item.tolist()) if item.shape else int(item)
+            for item in list(array[-1])[1:]]
+
+
+def _label(navigation: Array, times: Array) -> int | None:
+    """Return how many navigation messages ahead that one is which time messages name."""
+    times = times[times['device_time_us'] != 0]
+    latest = np.searchsorted(navigation['offset'], times['offset']) - 1
+    times, latest = times[latest >= 0], latest[latest >= 0]
+    if not len(times):
+        return None
+    ahead = times['reference_sequence'].astype(int) - navigation['sequence'][latest]
+    return int(np.median((ahead + 128) % 256 - 128))
+
+
+def _inertial_size(codec: BahrsCodec, versions: Counter[int]) -> int:
+    version = versions.most_common(1)[0][0] if versions else 3
+    layout = codec.layouts_by_header[HEADER.pack(MARKER, version, Inertial.TYPE)]
+    return frame_size(layout.size, padded=True)

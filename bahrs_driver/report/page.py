@@ -1,0 +1,185 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""One page of HTML with everything in it: no network is needed to read it."""
+
+import base64
+from collections.abc import Iterable, Iterator
+from html import escape
+import io
+import time
+
+from bahrs_driver.report import noise, plots
+from bahrs_driver.report.clock import clock_story, ClockStory
+from bahrs_driver.report.findings import clock_time, findings
+from bahrs_driver.report.gather import Recording
+import matplotlib
+from matplotlib.figure import Figure
+
+_STYLE = """
+:root { color-scheme: light; }
+body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #222; background: #fff;
+       max-width: 1180px; margin: 24px auto; padding: 0 24px; }
+h1 { font-size: 26px; margin: 0; overflow-wrap: anywhere; }
+h2 { font-size: 19px; margin: 34px 0 4px; }
+p { margin: 4px 0 8px; max-width: 80em; }
+.lead { color: #555; margin-bottom: 18px; }
+.facts { display: grid; grid-template-columns: repeat(auto-fit, minmax(210px, 1fr)); gap: 10px; }
+.fact { background: #f4f6f8; border-radius: 8px; padding: 8px 12px; }
+.fact b { display: block; font-size: 18px; overflow-wrap: anywhere; }
+.fact b.long { font-size: 14px; line-height: 1.9; } .fact span { color: #555; font-size: 13px; }
+ul { list-style: none; padding: 0; margin: 6px 0; }
+li { padding: 5px 12px; margin: 4px 0; border-left: 6px solid; border-radius: 4px;
+     background: #f7f7f7; }
+.error { border-color: #c0392b; } .warning { border-color: #e69f00; }
+.notice { border-color: #3b82c4; } .good { border-color: #4caf50; }
+li b { display: inline-block; width: 5em; }
+img { width: 100%; height: auto; display: block; }
+table { border-collapse: collapse; margin: 10px 0; }
+td, th { padding: 3px 16px 3px 0; border-bottom: 1px solid #ddd; text-align: left; }
+td + td, th + th { text-align: right; font-variant-numeric: tabular-nums; }
+footer { color: #777; font-size: 13px; margin: 40px 0 20px; }
+@media print { h2, img, li { break-inside: avoid; } }
+"""
+_LONG = ' class="long"'
+MUCH = 16               # characters of a value that must be smaller to fit
+_SETTINGS = {'svg.fonttype': 'path', 'svg.hashsalt': 'bahrs', 'font.size': 10,
+             'path.simplify': True, 'axes.unicode_minus': True}
+_INTEGRITY = 'What the device said each signal was worth. White is where nothing came.'
+_FLOW = 'Messages in each second; dotted is what the device sends.'
+_INERTIAL = ('In body axes: forward, right, down. At rest the specific force is about -9.8 m/s² '
+             'along z. Where a stretch holds more samples than pixels, its least and greatest '
+             'values are drawn.')
+_ATTITUDE = ('Positive roll is to the right, positive pitch nose up; the heading is magnetic, '
+             'clockwise from north.')
+_HEIGHT = 'Height above the 1013.25 hPa level of the standard atmosphere; climb is positive up.'
+_ACCURACY = ('What the device itself says its attitude is good for: rotations about north and '
+             'east, and the heading, if it has one.')
+_ARRIVALS = ('By how much each sample came later than the promptest ones, with the drift of the '
+             "device's clock against the host's taken off. A smooth band is an adapter's timer; "
+             'peaks are a busy host. Stamps of the driver do not show this: it takes it out.')
+_NO_CLOCK = ('The recording has no times of reads, so nothing can be said of offset, drift and '
+             'delays. A bag with the topic <code>raw</code> has them '
+             '(<code>publish.raw: true</code>, <code>bahrs record</code>).')
+_SPECTRUM = 'White noise is flat; peaks are vibration, or what turns at that frequency.'
+_ALLAN = ('Overlapping Allan deviation, shaded by one standard deviation of its uncertainty. N is '
+          'read from the slope -1/2, B from the lowest point, K from the slope +1/2; what the '
+          'recording is too short to show is not seen.')
+
+
+def page(recording: Recording) -> Iterator[str]:
+    """Yield the page, a part at a time."""
+    story = clock_story(recording)
+    yield '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+    yield '<meta name="viewport" content="width=device-width, initial-scale=1">'
+    yield f'<title>{escape(recording.name)}</title><style>{_STYLE}</style></head><body>\n'
+    yield f'<h1>{escape(recording.name)}</h1><p class="lead">{escape(_lead(recording))}</p>\n'
+    yield '<div class="facts">' + ''.join(
+        f'<div class="fact"><span>{escape(name)}</span>'
+        f'<b{_LONG if len(value) > MUCH else ""}>{escape(value)}</b></div>'
+        for name, value in _facts(recording, story)) + '</div>\n'
+    yield '<h2>Findings</h2><ul>' + ''.join(
+        f'<li class="{level}"><b>{level}</b>{escape(text)}</li>'
+        for level, text in findings(recording, story)) + '</ul>\n'
+    with matplotlib.rc_context(_SETTINGS):
+        yield from _pictures(recording, story)
+    yield '<footer>Made by <code>bahrs report</code>. Axes are those of the device: forward, '
+    yield 'right, down.</footer></body></html>\n'
+
+
+def _pictures(recording: Recording, story: ClockStory | None) -> Iterator[str]:
+    if len(recording.inertial.seconds) or len(recording.navigation.seconds):
+        yield _section('Integrity', _INTEGRITY, plots.integrity_bands(recording))
+        yield _section('Data rate', _FLOW, plots.flow(recording))
+        yield _section('Specific force and angular rate', _INERTIAL, plots.inertial(recording))
+        yield _section('Attitude and heading', _ATTITUDE, plots.attitude(recording))
+        yield _section('Height and vertical speed', _HEIGHT, plots.height(recording))
+        yield _section('Accuracy', _ACCURACY, plots.accuracy(recording))
+    yield '<h2>Clock</h2>'
+    yield _table(_clock_rows(recording, story))
+    if story is None:
+        yield f'<p>{_NO_CLOCK}</p>'
+    else:
+        yield f'<p>{escape(_ARRIVALS)}</p>'
+        yield _image(plots.arrivals(story, recording.duration), 'delays')
+    yield from _noise(recording)
+
+
+def _noise(recording: Recording) -> Iterator[str]:
+    found = noise.noise_at_rest(recording)
+    if found is None:
+        rest = noise.rest_seconds(recording)
+        yield ('<h2>Noise at rest</h2><p>Noise can be told from motion only at rest: the device '
+               f'stood still for {rest:.0f} s at the longest, and {noise.ENOUGH:.0f} s are '
+               'needed.</p>')
+        return
+    yield _section(f'Noise at rest, {found.seconds:.0f} s from {clock_time(found.begin)}',
+                   _SPECTRUM, noise.spectrum(found))
+    yield f'<p>{escape(_ALLAN)}</p>' + _image(noise.deviation(found), 'Allan deviation')
+    yield _table([('', ['x', 'y', 'z']), *noise.figures(found)])
+
+
+def _lead(recording: Recording) -> str:
+    versions = ' and '.join(str(version) for version in sorted(recording.versions)) or '-'
+    begun = f', read from {_date(recording.reads.ros_ns[0])} on' if recording.reads else ''
+    return f'{recording.size:,} bytes of a BAHRS, protocol version {versions}{begun}.'
+
+
+def _date(ros_ns: int) -> str:
+    return time.strftime('%Y-%m-%d %H:%M:%S UTC', time.gmtime(ros_ns / 1e9))
+
+
+def _facts(recording: Recording, story: ClockStory | None) -> Iterator[tuple[str, str]]:
+    software, hardware = recording.software, recording.hardware
+    minutes, seconds = divmod(recording.duration, 60)
+    yield 'duration', f'{minutes:.0f} min {seconds:.1f} s' if minutes else f'{seconds:.1f} s'
+    yield 'software', f'{software.project} {software.major}.{software.minor}' \
+        if software else 'not heard'
+    if hardware:
+        yield 'unique number', ''.join(f'{word:08X}' for word in hardware.unique_id)
+    for name, signals in (('inertial', recording.inertial), ('navigation', recording.navigation)):
+        yield f'{name} messages', f'{len(signals.seconds):,}'
+    lost = sum(found.missing for found in recording.timeline.breaks)
+    yield 'inertial samples lost', f'{lost:,}'
+    yield 'damaged frames', f'{recording.counters.crc_failures:,}'
+    yield 'accuracy messages', f"{recording.counts.get('accuracy', 0):,}"
+    yield 'CRC order', recording.crc_order or 'not seen'
+    if len(recording.pulses):
+        yield 'sync pulses', f'{len(recording.pulses):,}'
+    if story and story.drift_ppm is not None:
+        yield 'clock drift', f'{story.drift_ppm:+.1f} ppm'
+
+
+def _clock_rows(recording: Recording,
+                story: ClockStory | None) -> Iterator[tuple[str, list[str]]]:
+    axis = recording.timeline
+    ahead = {None: 'none came', 0: 'the sample just sent', 1: 'the next sample'}
+    yield 'time messages name', [ahead.get(axis.label_ahead, f'{axis.label_ahead} ahead')]
+    yield 'time messages used, rejected', [f'{axis.anchors:,}, {axis.rejected:,}']
+    if axis.period is not None:
+        yield "period of samples on the device's clock", [f'{axis.period * 1e6:.3f} µs']
+    if story is None:
+        return
+    drift = 'too short to tell' if story.drift_ppm is None else f'{story.drift_ppm:+.2f} ppm'
+    yield "drift: the device's clock is slow by", [drift]
+    yield 'host time less device time at the beginning', [f'{story.offset:.6f} s']
+    yield '99 of 100 samples come less late than', [f'{story.late_99 * 1e3:.2f} ms']
+    yield 'bytes a read (median)', [f'{story.read_bytes}']
+    yield 'longest time between two reads', [f'{story.longest_pause * 1e3:.1f} ms']
+    yield "host's clock set", [f'{story.host_steps} times']
+
+
+def _section(title: str, text: str, figure: Figure) -> str:
+    return f'<h2>{escape(title)}</h2><p>{escape(text)}</p>{_image(figure, title)}\n'
+
+
+def _image(figure: Figure, title: str) -> str:
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format='svg', metadata={'Date': None})
+    data = base64.b64encode(buffer.getvalue()).decode()
+    return f'<img alt="{escape(title)}" src="data:image/svg+xml;base64,{data}">\n'
+
+
+def _table(rows: Iterable[tuple[str, list[str]]]) -> str:
+    lines = [''.join(f'<td>{escape(cell)}</td>' for cell in (name, *cells))
+             for name, cells in rows]
+    return '<table>' + ''.join(f'<tr>{line}</tr>' for line in lines) + '</table>\n'

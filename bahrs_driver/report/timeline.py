@@ -1,0 +1,154 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+All inertial samples of a recording on one axis of time, from their counters and the time messages.
+
+Time messages are anchors: they give the device time of one sample, and samples between two are
+counted. Where two anchors do not fit the count between them something happened: samples were
+lost by whole turns of the counter, the device paused, or it was switched on anew.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+MODULUS = 256
+PERIOD = 0.005              # s, nominal
+TOLERANCE = 0.5             # of a period, by which an anchor may be off
+MICROSECOND = 1e-6
+UNKNOWN_PAUSE = 1.0         # s that stand for the time that a device was off, if nothing tells
+
+
+@dataclass(frozen=True)
+class Break:
+    """Where samples do not follow on each other."""
+
+    index: int              # of the first sample after it
+    kind: str               # 'lost', 'paused' or 'restarted'
+    missing: int            # samples lost, by the counters; 0 for other kinds
+    seconds: float          # how long it took; an assumption for a restart
+
+
+@dataclass(frozen=True)
+class Timeline:
+    """When the samples were measured."""
+
+    seconds: Array          # of each inertial sample, since the first, on the device's clock
+    device_us: Array        # device time of each, NaN where there is none
+    label_ahead: int | None         # samples by which time messages are ahead: 1 is 'next'
+    period: float | None            # s from one sample to the next on the device's clock
+    breaks: list[Break]
+    anchors: int                    # time messages that were used
+    rejected: int                   # and that contradicted all others
+
+
+def timeline(offset: Array, sequence: Array, times: Array) -> Timeline:
+    """
+    Return when samples were measured.
+
+    offset and sequence are those of the inertial messages, times the inertial time messages.
+    """
+    if not len(offset):
+        return Timeline(np.empty(0), np.empty(0), None, None, [], 0, 0)
+    steps = np.diff(sequence.astype(np.int64)) % MODULUS
+    counts = np.concatenate(([0], np.cumsum(steps)))
+    latest, counted, device, ahead = _anchors(offset, sequence, counts, times)
+    period = _period(counted, device)
+    keep = _consistent(counted, device, period)
+    rejected = len(keep) - int(keep.sum())
+    latest, counted, device = latest[keep], counted[keep], device[keep]
+    extra, breaks = _jumps(steps, latest, counted, device, period)
+    return _assemble(counts, steps, latest, counted, device, ahead, period, extra, breaks,
+                     rejected)
+
+
+def _anchors(offset: Array, sequence: Array, counts: Array,
+             times: Array) -> tuple[Array, Array, Array, int | None]:
+    """Return for each time message the latest sample, the count it is about, and its time in s."""
+    times = times[(times['reference_sequence'] != 0) | (times['device_time_us'] != 0)]
+    latest = np.searchsorted(offset, times['offset']) - 1
+    times, latest = times[latest >= 0], latest[latest >= 0]
+    if not len(times):
+        return latest, np.empty(0, np.int64), np.empty(0), None
+    half = MODULUS // 2
+    named = (times['reference_sequence'].astype(np.int64) - sequence[latest] + half) \
+        % MODULUS - half
+    ahead = int(np.median(named))
+    label = 1 if ahead == 1 else 0
+    return latest, counts[latest] + named - label, times['device_time_us'] * MICROSECOND, ahead
+
+
+def _period(counted: Array, device: Array) -> float:
+    if len(counted) < 2:
+        return PERIOD
+    steps, seconds = np.diff(counted), np.diff(device)
+    good = (steps > 0) & (seconds > 0)
+    periods = seconds[good] / steps[good]
+    periods = periods[abs(periods / PERIOD - 1) < 0.03]
+    return float(np.median(periods)) if len(periods) else PERIOD
+
+
+def _consistent(counted: Array, device: Array, period: float) -> Array:
+    """Return which anchors are not contradicted by both of their neighbours, which agree."""
+    keep = np.ones(len(counted), bool)
+    if len(counted) < 3:
+        return keep
+    line = device - counted * period
+    near = TOLERANCE * period
+    alone = (abs(np.diff(line)[:-1]) > near) & (abs(np.diff(line)[1:]) > near)
+    keep[1:-1] = ~(alone & (abs(line[2:] - line[:-2]) < 2 * near))
+    return keep
+
+
+def _jumps(steps: Array, latest: Array, counted: Array, device: Array,
+           period: float) -> tuple[Array, list[Break]]:
+    """Return by how many seconds more than counted each sample is from the one before."""
+    extra = np.zeros(len(steps) + 1)
+    breaks = []
+    lines = np.diff(device - counted * period)
+    for where in np.flatnonzero(abs(lines) > TOLERANCE * period):
+        low, high = latest[where] + 1, latest[where + 1]
+        odd = np.flatnonzero(steps[low - 1:high] != 1)
+        index = int(low + odd[0]) if len(odd) else int(high)
+        excess = float(lines[where])
+        turns, rest = divmod(excess / period + TOLERANCE, MODULUS)
+        if device[where + 1] < device[where]:
+            seconds = UNKNOWN_PAUSE
+            breaks.append(Break(index, 'restarted', 0, seconds))
+            extra[index] = seconds - steps[index - 1] * period
+        elif turns > 0 and rest < 2 * TOLERANCE:
+            missing = int(turns) * MODULUS + int(steps[index - 1]) - 1
+            breaks.append(Break(index, 'lost', missing, (missing + 1) * period))
+            extra[index] = excess
+        else:
+            seconds = excess + float(steps[index - 1]) * period
+            breaks.append(Break(index, 'paused', 0, seconds))
+            extra[index] = excess
+    return extra, breaks
+
+
+def _assemble(counts: Array, steps: Array, latest: Array, counted: Array, device: Array,
+              ahead: int | None, period: float, extra: Array, breaks: list[Break],
+              rejected: int) -> Timeline:
+    jumped = {found.index for found in breaks}
+    lost = [Break(int(index) + 1, 'lost', int(steps[index]) - 1, float(steps[index]) * period)
+            for index in np.flatnonzero(steps > 1) if int(index) + 1 not in jumped]
+    seconds = counts * period + np.cumsum(extra)
+    device_us = np.full(len(counts), np.nan)
+    edges = [0, *sorted(found.index for found in breaks), len(counts)]
+    for low, high in zip(edges, edges[1:]):
+        mine = (latest >= low) & (latest < high)
+        if mine.any():
+            # Between anchors as they say, outside by the period.
+            here, anchors = counts[low:high], counted[mine]
+            line = np.interp(here, anchors, device[mine] - anchors * period)
+            true = line + here * period
+            device_us[low:high] = true / MICROSECOND
+            seconds[low:high] = seconds[low] + true - true[0]
+    return Timeline(seconds - seconds[0], device_us, ahead,
+                    period if len(counted) > 1 else None,
+                    sorted(breaks + lost, key=lambda found: found.index), len(counted), rejected)

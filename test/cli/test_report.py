@@ -1,0 +1,58 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of `bahrs report`, as a process."""
+
+import json
+import subprocess
+
+from emulated import make_emulation, on_the_wire
+from processes import command
+import pytest
+
+
+def report(*words):
+    """Return exit status, output and complaints."""
+    done = subprocess.run(command('bahrs', 'report', *map(str, words)), capture_output=True,
+                          text=True, timeout=300, check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.fixture(scope='module')
+def flight(tmp_path_factory):
+    """Return a file of a few seconds."""
+    path = tmp_path_factory.mktemp('report') / 'flight.bin'
+    path.write_bytes(on_the_wire(make_emulation(), 5.0)[1])
+    return path
+
+
+def test_a_page_beside_the_recording(flight):
+    """Its name is printed, and nothing else."""
+    status, text, complaints = report(flight)
+    assert (status, complaints) == (0, '')
+    target = flight.with_suffix('.html')
+    assert text == f'{target}\n'
+    assert target.read_text().startswith('<!DOCTYPE html>')
+
+
+def test_for_a_script(flight):
+    """Counts and findings as JSON, and no page."""
+    status, text, complaints = report(flight, '--json')
+    assert (status, complaints) == (0, '')
+    found = json.loads(text)
+    assert found['counts']['inertial'] > 800 and found['crc_failures'] == 0
+    assert {finding['level'] for finding in found['findings']} <= {
+        'good', 'notice', 'warning', 'error'}
+
+
+def test_what_cannot_be_reported_on(tmp_path, flight):
+    """One sentence each, no traceback."""
+    noise = tmp_path / 'noise.bin'
+    noise.write_bytes(bytes(1000))
+    for words, sentence in (
+            ((tmp_path / 'nothing.bin',), 'No such file'),
+            ((noise,), 'no frame of a BAHRS in the 1,000 bytes'),
+            ((flight, '-o', tmp_path / 'no' / 'page.html'), 'cannot write')):
+        status, text, complaints = report(*words)
+        assert (status, text) == (1, '')
+        assert complaints.startswith('bahrs report: ') and sentence in complaints
+        assert complaints.count('\n') == 1

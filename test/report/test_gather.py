@@ -1,0 +1,152 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of what is read out of a recording, and what is said about it."""
+
+from bahrs_driver.emulator.cable import adapter_mode
+from bahrs_driver.emulator.noise import Noise
+from bahrs_driver.protocol.bahrs import Inertial
+from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.recording.capture import read_capture
+from bahrs_driver.report.clock import clock_story
+from bahrs_driver.report.findings import ERROR, findings, GOOD, NOTICE, WARNING
+from bahrs_driver.report.gather import gather
+from emulated import make_device, make_emulation
+import numpy as np
+import pytest
+from recorded import MadeUp, recorded
+from shared_files import shared_file
+
+
+def said(recording, level=None):
+    """Return what is said about a recording, one sentence a line."""
+    return '\n'.join(text for each, text in findings(recording, clock_story(recording))
+                     if level in (None, each))
+
+
+def test_a_good_recording():
+    """Everything is good, and it is all there."""
+    recording = recorded(seconds=20.0)
+    assert recording.counters.crc_failures == 0
+    assert recording.duration == pytest.approx(19.4, abs=0.2)
+    assert len(recording.inertial.seconds) == recording.counts['inertial']
+    assert recording.inertial.values['specific_force'].mean(axis=0) == pytest.approx(
+        [0, 0, -9.81], abs=0.02)
+    assert recording.navigation.seconds[1:5] - recording.navigation.seconds[:4] == pytest.approx(
+        0.01)
+    assert recording.software.project == 'EMU' and recording.hardware is not None
+    assert said(recording, ERROR) == said(recording, WARNING) == ''
+    for sentence in ('frames are intact', 'No inertial sample is missing',
+                     'name the sample after'):
+        assert sentence in said(recording, GOOD)
+    # As the real device, it has no navigation solution for the first moments.
+    assert said(recording, NOTICE).startswith(
+        'Pressure height, velocity down, roll, pitch and magnetic heading: unavailable for 0.08 s')
+
+
+def test_without_times_of_reads():
+    """The clocks are not compared."""
+    recording = recorded(timed=False)
+    assert recording.reads is None and clock_story(recording) is None
+    assert recording.duration > 9.0
+
+
+@pytest.mark.parametrize('drift', [-80.0, 0.0, 150.0])
+def test_the_drift_of_the_clock(drift):
+    """A device clock that is too fast makes its time run ahead."""
+    recording = recorded(make_emulation(make_device(drift_ppm=drift)), seconds=60.0)
+    story = clock_story(recording)
+    assert story.drift_ppm == pytest.approx(-drift, abs=5.0)
+    assert 0.0 <= story.delay.min() and story.late_99 < 0.008
+    assert ('drifts' in said(recording, WARNING)) == (abs(drift) > 100)
+
+
+def test_an_adapter_that_holds_bytes_back():
+    """It is told from the sizes of reads, and from when samples come."""
+    recording = recorded(make_emulation(mode=adapter_mode('40')), every=0.002, seconds=20.0)
+    text = said(recording, NOTICE)
+    assert 'a latency timer of 1 ms' in text and 'One of 100 samples comes more than' in text
+
+
+def test_a_host_clock_that_was_set():
+    """It is counted, and does not spoil the rest."""
+    class Stepped(MadeUp):
+        def chunks(self):
+            for chunk in super().chunks():
+                late = chunk.read_at > 1_700_000_015_000_000_000
+                yield chunk._replace(read_at=chunk.read_at + 5_000_000_000 * late)
+
+    story = clock_story(gather(Stepped(make_emulation(), 30.0)))
+    assert story.host_steps == 1 and story.late_99 < 0.02
+
+
+def test_losses_and_damage():
+    """Both are counted, as the emulator's truth has it."""
+    emulation = make_emulation(bit_flip=0.0002, drop_frame=0.01)
+    recording = recorded(emulation, seconds=30.0)
+    assert recording.counters.crc_failures > 0
+    text = said(recording, WARNING)
+    assert 'damaged frames' in text and 'inertial samples are missing' in text
+    whole = int(recording.inertial.seconds[-1] / 0.005 + 0.5) + 1
+    lost = sum(each.missing for each in recording.timeline.breaks)
+    assert lost == whole - len(recording.inertial.seconds)
+
+
+def test_integrity_in_words():
+    """Signals that were unsafe together are told of together."""
+    emulation = make_emulation()
+    made = MadeUp(emulation, 20.0)
+    signals = emulation.device.signals
+
+    def at(moment, names, state):
+        """Change what signals are worth in the course of the recording."""
+        return moment, names, state
+
+    plan = [at(5.0, signals[:3], Integrity.UNAVAILABLE), at(8.0, signals[:3], Integrity.SAFE),
+            at(10.0, ('roll',), Integrity.INTEGRITY_RISK), at(10.5, ('roll',), Integrity.SAFE)]
+    advance = emulation.advance
+
+    def advance_as_planned(until):
+        while plan and plan[0][0] <= until:
+            emulation.device.set_integrity(*plan.pop(0)[1:])
+        return advance(until)
+
+    emulation.advance = advance_as_planned
+    recording = gather(made)
+    assert 'Specific force: unavailable for 3.0' in said(recording, WARNING)
+    assert 'Roll: at integrity risk for 0.5' in said(recording, NOTICE)
+    assert recording.inertial.names == Inertial.SIGNALS
+
+
+def test_saturation():
+    """What is at the end of its range is told."""
+    loud = Noise(1, {'angular_rate': 3.0}, {'angular_rate': (5.0, 0.0, 0.0)})
+    assert 'The angular rate is at the end of its range' in said(
+        recorded(make_emulation(make_device(noise=loud))), WARNING)
+
+
+def test_a_restart():
+    """Time goes on, and nothing is called lost."""
+    emulation = make_emulation()
+    advance = emulation.advance
+    once = [10.0]
+
+    def advance_with_restart(until):
+        if once and until >= once[0]:
+            emulation.device.power_cycle(once.pop())
+        return advance(until)
+
+    emulation.advance = advance_with_restart
+    recording = recorded(emulation, seconds=20.0)
+    assert 'was switched on anew' in said(recording, WARNING)
+    assert [each.kind for each in recording.timeline.breaks] == ['restarted']
+    assert np.all(np.diff(recording.timeline.seconds) > 0)
+
+
+def test_the_real_recording():
+    """What is known of it is found: a device at rest, without a heading, that paused once."""
+    recording = gather(read_capture(shared_file('data/bahrs_recording_v2.bin')))
+    assert recording.counts['inertial'] == 47_837 and recording.versions == {2: 78_932}
+    assert 'Magnetic heading: unavailable throughout.' in said(recording, WARNING)
+    assert 'nothing for 2.7 s' in said(recording, NOTICE)
+    assert 'No inertial sample is missing.' in said(recording, GOOD)
+    assert recording.navigation_label == recording.timeline.label_ahead == 1

@@ -1,0 +1,82 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the page: whole, self-contained, with a picture for everything."""
+
+import base64
+from html.parser import HTMLParser
+from xml.etree import ElementTree
+
+from bahrs_driver.emulator.flights import SteadyTurn
+from bahrs_driver.emulator.noise import DEVIATIONS, Noise
+from bahrs_driver.report.page import page
+from emulated import make_device, make_emulation
+import pytest
+from recorded import recorded
+
+VOID = {'meta', 'img', 'br', 'link'}
+
+
+class Outline(HTMLParser):
+    """What is on a page."""
+
+    def __init__(self, text):
+        """Read it."""
+        super().__init__()
+        self.open, self.headings, self.pictures, self.text = [], [], {}, ''
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        """Take the beginning of an element."""
+        given = dict(attrs)
+        assert tag != 'script' and 'href' not in given
+        if tag not in VOID:
+            self.open.append(tag)
+        if tag == 'img':
+            kind, _, data = given['src'].partition(',')
+            assert kind == 'data:image/svg+xml;base64'
+            self.pictures[given['alt']] = ElementTree.fromstring(base64.b64decode(data))
+
+    def handle_endtag(self, tag):
+        """Take the end of an element."""
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        """Take text."""
+        self.text += data
+        if self.open[-1:] == ['h2']:
+            self.headings.append(data)
+
+
+@pytest.fixture(scope='module')
+def at_rest():
+    """Return the page of a device that stands still, with noise."""
+    return Outline(''.join(page(recorded(make_emulation(make_device(
+        noise=Noise(1, DEVIATIONS), version=3)), seconds=75.0))))
+
+
+def test_every_part_is_there(at_rest):
+    """With a picture for each."""
+    parts = ['Findings', 'Integrity', 'Data rate', 'Specific force and angular rate',
+             'Attitude and heading', 'Height and vertical speed', 'Accuracy', 'Clock']
+    assert at_rest.headings[:len(parts)] == parts
+    assert at_rest.headings[-1].startswith('Noise at rest, 7')
+    assert len(at_rest.pictures) == 9
+    assert 'made_up.bin' in at_rest.text and 'read from 2023-11-14 22:13:20 UTC on' in at_rest.text
+
+
+def test_what_is_read_off_the_noise(at_rest):
+    """N of the angular rate is that which the emulator was given."""
+    row = at_rest.text.split('angle random walk [°/√h]')[1].split()[0]
+    density = DEVIATIONS['angular_rate'] * 0.005 ** 0.5         # rad/s * sqrt(s)
+    assert float(row[:6]) == pytest.approx(density * 57.29578 * 60, rel=0.15)
+
+
+def test_a_flight_has_no_noise_at_rest():
+    """It is said why."""
+    made = Outline(''.join(page(recorded(make_emulation(make_device(SteadyTurn())), 5.0,
+                                         timed=False))))
+    assert made.headings[-1] == 'Noise at rest'
+    assert 'stood still for 0 s at the longest, and 60 s are needed' in made.text
+    assert 'nothing can be said of offset, drift and delays' in made.text
