@@ -27,6 +27,7 @@ _SUFFIXES = {'specific_force': _BODY, 'angular_rate': _BODY, 'unique_id': ('_1',
              'magnetic_field_tesla': _BODY}
 _EXAMPLES = """examples:
   bahrs decode flight.bin                       what is in it
+  bahrs decode --json flight.bin                the same for a script
   bahrs decode --format jsonl flight.bin        one JSON object a message, SI units
   cat /dev/ttyUSB0 | bahrs decode --format csv - > flight.csv
   bahrs decode --sensor titan_m answers.bin     what a Titan-M answered
@@ -43,6 +44,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--format', choices=('summary', 'jsonl', 'csv'), default='summary',
                         help='what to print (default: %(default)s)')
     decode_sensors.add_arguments(parser)
+    parser.add_argument('--json', action='store_true',
+                        help='print the summary as one JSON object')
+    parser.add_argument('--sensor', choices=('bahrs',), default='bahrs',
+                        help='which device sent it (default: %(default)s)')
+    parser.add_argument('--crc', choices=('auto', 'word', 'byte'), default='auto',
+                        help='order of the CRC (default: %(default)s)')
+    parser.add_argument('--pressure-height', choices=('uint16', 'int16'), default='uint16',
+                        help='format of the pressure height (default: %(default)s)')
 
 
 def run(options: argparse.Namespace) -> int:
@@ -59,6 +68,11 @@ def run(options: argparse.Namespace) -> int:
         else:
             _print_summary(Counter(message.NAME for _, message in messages), decoder)
     complaint = decoder.complaint()
+            counts = Counter(message.NAME for _, message in messages)
+            if options.json:
+                _print_json(counts, framer, frame_format)
+            else:
+                _print_summary(counts, framer, frame_format)
     if not framer.counters.frames:
         complaint = f'no frame in {framer.received} bytes'
     if complaint:
@@ -128,6 +142,15 @@ def _flat(values: Iterable[Any]) -> Iterator[Any]:
 
 def _print_summary(counts: Counter[str], decoder: Decoder) -> None:
     framer = decoder.framer
+def _print_json(counts: Counter[str], framer: Framer, frame_format: BahrsFormat) -> None:
+    counters = framer.counters
+    print(json.dumps({
+        'counts': counts, 'unknown_types': counters.unknown_types, 'bytes': framer.received,
+        'crc_failures': counters.crc_failures, 'skipped_bytes': counters.skipped_bytes,
+        'version': frame_format.version_seen, 'crc_order': frame_format.order_seen}))
+
+
+def _print_summary(counts: Counter[str], framer: Framer, frame_format: BahrsFormat) -> None:
     counters = framer.counters
     rows = [(name, count) for name, count in counts.most_common()]
     rows += [(f'unknown type {name}', count)

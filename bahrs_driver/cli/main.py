@@ -4,6 +4,7 @@
 
 import argparse
 from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
 import os
 import signal
 import sys
@@ -23,6 +24,17 @@ VERBS = {
     'replay': 'play a recorded stream of bytes on a serial port',
     'report': 'write a page about a recording, for people',
 }
+
+_STATUS = 'exit status'
+_EXIT_STATUS = (f'{_STATUS}: 0 if it is done, 1 if it cannot be done or something is wrong,\n'
+                '2 if the command line is, 130 at Ctrl-C')
+_EPILOG = f"""examples:
+  bahrs doctor                      no data? this tells why
+  bahrs monitor                     what the driver publishes, live
+  bahrs decode --help               each verb has examples
+
+{_EXIT_STATUS}
+"""
 
 
 def main(args: list[str] | None = None) -> int:
@@ -51,9 +63,18 @@ def main(args: list[str] | None = None) -> int:
         return 1
 
 
+def _version() -> str:
+    try:
+        return version('bahrs_driver')
+    except PackageNotFoundError:        # run from its sources
+        return 'of no version'
+
+
 def _parser(chosen: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog='bahrs', description='Tools for the BAHRS and Titan-M sensors.')
+        prog='bahrs', description='Tools for the BAHRS and Titan-M sensors.', epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('--version', action='version', version=f'bahrs {_version()}')
     subparsers = parser.add_subparsers(dest='verb', metavar='VERB', required=True)
     for verb, summary in VERBS.items():
         subparser = subparsers.add_parser(
@@ -61,6 +82,8 @@ def _parser(chosen: str) -> argparse.ArgumentParser:
         if verb == chosen:
             module = _module(verb)
             module.add_arguments(subparser)
+            if _STATUS not in (subparser.epilog or ''):
+                subparser.epilog = f"{(subparser.epilog or '').rstrip()}\n\n{_EXIT_STATUS}"
             subparser.set_defaults(run=module.run)
     return parser
 

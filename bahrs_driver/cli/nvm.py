@@ -5,8 +5,9 @@
 import argparse
 from collections.abc import Iterator, Sequence
 import contextlib
-from dataclasses import fields
+from dataclasses import asdict, fields
 import hashlib
+import json
 from pathlib import Path
 import sys
 import threading
@@ -29,11 +30,10 @@ from rich.progress import Progress
 
 LISTEN_TIME = 1.0       # s in which a device that streams is heard
 
-_EXAMPLES = """examples:
-  bahrs nvm read 0 --port /dev/ttyUSB0
-  bahrs nvm dump device.bin --port /dev/ttyUSB0
-  bahrs nvm show device.bin
-"""
+_EXAMPLES = (
+    'bahrs nvm read 0 --port /dev/ttyUSB0',
+    'bahrs nvm dump device.bin --port /dev/ttyUSB0',
+    'bahrs nvm show device.bin')
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         'Read the 250 pages of the memory, which is never written to. While it is read the\n'
         'device is in diagnostics mode and sends no data.')
-    parser.epilog = _EXAMPLES
+    parser.epilog = '\n  '.join(('examples:', *_EXAMPLES))
     actions = parser.add_subparsers(dest='action', metavar='ACTION', required=True)
     read = actions.add_parser('read', help='print one page in hexadecimal')
     read.add_argument('page', type=int, help=f'number of the page, 0 to {PAGES - 1}')
@@ -61,6 +61,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                             help='do not ask before a stream is stopped')
     show = actions.add_parser('show', help='say what is in an image')
     show.add_argument('file', help='image of the memory; - is standard input')
+    for action in (dump, show):
+        action.add_argument('--json', action='store_true',
+                            help='print one JSON object, for a script')
+    for action, example in ((read, _EXAMPLES[0]), (dump, _EXAMPLES[1]), (show, _EXAMPLES[2])):
+        action.epilog = f'example: {example}'
 
 
 def run(options: argparse.Namespace) -> int:
@@ -84,7 +89,11 @@ def _dump(options: argparse.Namespace) -> int:
         write_whole(path, image)
     except OSError as error:
         raise CommandError(f'cannot write {path}: {error.strerror}') from error
-    print(f'{path}: {len(image):,} bytes, SHA-256 {hashlib.sha256(image).hexdigest()}')
+    digest = hashlib.sha256(image).hexdigest()
+    if options.json:
+        print(json.dumps({'path': str(path), 'size': len(image), 'sha256': digest}))
+    else:
+        print(f'{path}: {len(image):,} bytes, SHA-256 {digest}')
     return 0
 
 
@@ -184,8 +193,12 @@ def _show(options: argparse.Namespace) -> int:
         blocks = list(parse(image))
     except ValueError as error:
         raise CommandError(f'{options.file} is no image: {error}') from error
-    for found in blocks:
-        _print_block(found)
+    if options.json:
+        print(json.dumps({found.block.NAME: {'intact': found.intact, **asdict(found.block)}
+                          for found in blocks}))
+    else:
+        for found in blocks:
+            _print_block(found)
     damaged = [found.block.NAME for found in blocks if found.intact is False]
     if damaged:
         print(f"bahrs nvm: damaged: {', '.join(damaged)}", file=sys.stderr)

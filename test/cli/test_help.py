@@ -1,0 +1,70 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of what holds for all verbs: help that is true, exit status, plain output."""
+
+import re
+import shlex
+import subprocess
+
+from bahrs_driver.cli.main import _parser, main, VERBS
+from processes import command
+import pytest
+
+NO_EXAMPLES_FOR = re.compile(r'\s{2,}')         # what an example is for stands behind it
+
+
+def helped(capsys, *words):
+    """Return what --help prints."""
+    with pytest.raises(SystemExit) as ended:
+        main([*words, '--help'])
+    assert ended.value.code == 0
+    return capsys.readouterr().out
+
+
+def examples(text):
+    """Return the lines of a help text that show our command, without what they are for."""
+    lines = re.findall(r'^(?:  |example: )(bahrs .*)$', text, re.MULTILINE)
+    return [NO_EXAMPLES_FOR.split(line)[0] for line in lines]
+
+
+@pytest.mark.parametrize('verb', VERBS)
+def test_help_has_examples_that_work(verb, capsys):
+    """Each is taken by the command line, exit statuses are told, no line is too long."""
+    text = helped(capsys, verb)
+    found = [line for line in examples(text) if line.startswith(f'bahrs {verb} ')
+             or line == f'bahrs {verb}']
+    assert found and 'exit status: ' in text and '\x1b' not in text
+    for line in found:
+        words = shlex.split(line.split(' > ')[0].split(' | ')[0])[1:]
+        assert _parser(verb).parse_args(words).verb == verb
+
+
+@pytest.mark.parametrize('action', ['read', 'dump', 'show'])
+def test_help_of_actions(action, capsys):
+    """Those of nvm have an example each, too."""
+    (line,) = examples(helped(capsys, 'nvm', action))
+    assert _parser('nvm').parse_args(shlex.split(line)[1:]).action == action
+
+
+def test_help_of_all(capsys):
+    """It names every verb."""
+    text = helped(capsys)
+    assert all(re.search(rf'^    {verb} +\w', text, re.MULTILINE) for verb in VERBS)
+    assert '130 at Ctrl-C' in text
+
+
+@pytest.mark.parametrize('words', [[], ['nothing'], ['decode'], ['decode', '--nothing', 'file'],
+                                   ['monitor', '--duration', 'long']])
+def test_a_mistake_in_the_command_line(words, capsys):
+    """The exit status is 2, and one line says what is wrong."""
+    with pytest.raises(SystemExit) as ended:
+        main(words)
+    assert ended.value.code == 2
+    assert 'error: ' in capsys.readouterr().err
+
+
+def test_version():
+    """It is that of the package."""
+    done = subprocess.run(command('bahrs', '--version'), capture_output=True, text=True,
+                          timeout=60, check=True)
+    assert re.fullmatch(r'bahrs \d+\.\d+\.\d+\n', done.stdout)
