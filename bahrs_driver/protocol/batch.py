@@ -57,16 +57,21 @@ class Batch:
     def take(self, message: type) -> Array:
         """Return all messages of a kind, whatever their version, in stream order; forget them."""
         self._pack()
-        found = [table(self._layouts[header], payloads, offsets)
-                 for header in [header for header in self._packed
-                                if self._layouts[header].message is message]
-                 for offsets, payloads in self._packed.pop(header)]
-        if not found:
-            layout = next(layout for layout in self._layouts.values()
-                          if layout.message is message)
-            return table(layout, b'', np.empty(0, np.int64))
-        joined = np.concatenate(found)
-        return joined[np.argsort(joined['offset'], kind='stable')]
+        parts = [(header, *part) for header in list(self._packed)
+                 if self._layouts[header].message is message
+                 for part in self._packed.pop(header)]
+        parts.sort(key=lambda part: part[1][0], reverse=True)
+        size = sum(len(offsets) for _, offsets, _ in parts)
+        kind = next(layout for layout in self._layouts.values() if layout.message is message)
+        joined: Array = np.empty(size, table(kind, b'', np.empty(0, np.int64)).dtype)
+        end = 0
+        while parts:                    # each is let go of when it is decoded
+            header, offsets, payloads = parts.pop()
+            begin, end = end, end + len(offsets)
+            joined[begin:end] = table(self._layouts[header], payloads, offsets)
+        if np.any(np.diff(joined['offset']) < 0):
+            joined = joined[np.argsort(joined['offset'], kind='stable')]
+        return joined
 
     def _pack(self) -> None:
         for header, frames in self._pending.items():
@@ -130,7 +135,8 @@ def _decoded(row: Row, values: Array) -> Array:
     if row.count > 1:
         return np.array([row.decode((item,) * row.count)[0] for item in items], float)
     found = [row.decode(item) for item in items]
-    if found and isinstance(found[0], tuple):
-        assert all(isinstance(part, IntEnum) for part in found[0])
-        return np.array(found, np.uint8)
-    return np.array([np.nan if item is None else item for item in found])
+    sample = row.decode(0)
+    if isinstance(sample, tuple):
+        assert all(isinstance(part, IntEnum) for part in sample)
+        return np.array(found, np.uint8).reshape(-1, len(sample))
+    return np.array([np.nan if item is None else item for item in found], float)

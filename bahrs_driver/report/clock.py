@@ -25,8 +25,8 @@ class ClockStory:
 
     seconds: Array          # of samples
     delay: Array            # of each beyond the least there can be, drift taken off
-    drift_ppm: float | None         # by how much the device's clock runs slower than the host's
-    offset: float                   # host time less device time at the first sample
+    drift_ppm: float | None         # by how much the device's clock is faster than the host's
+    device_zero: float              # host time at which device time was 0, s since the epoch
     host_steps: int                 # times that the host's clock was set
     read_bytes: int                 # median
     longest_pause: float            # between two reads
@@ -56,7 +56,7 @@ def clock_story(recording: Recording) -> ClockStory | None:
     delay = late - (base + (drift or 0.0) * seconds)
     sizes = np.diff(reads.received, prepend=0)
     return ClockStory(
-        seconds, delay, None if drift is None else drift * 1e6,
+        seconds, delay, None if drift is None else -drift * 1e6,
         offset + float(reads.ros_ns[0]) * NANOSECOND, len(steps), int(np.median(sizes)),
         float(np.diff(reads.ros_ns).max()) * NANOSECOND, float(np.percentile(delay, 99)))
 

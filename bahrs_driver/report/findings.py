@@ -17,7 +17,7 @@ import numpy as np
 GOOD, NOTICE, WARNING, ERROR = 'good', 'notice', 'warning', 'error'
 _ORDER = (ERROR, WARNING, NOTICE, GOOD)
 
-LONG_GAP = 0.1              # s
+CUT_OFF = 64                # bytes that may be left over where a recording begins and ends
 MANY = 5                    # places named one by one
 DRIFT_LIMIT = 100.0         # ppm, beyond which a crystal is not well
 LATE_LIMIT = 0.02           # s by which 99 of 100 samples should have come
@@ -53,7 +53,7 @@ def clock_time(seconds: float) -> str:
 
 def _framing(recording: Recording) -> Iterator[Finding]:
     counters = recording.counters
-    if counters.crc_failures or counters.skipped_bytes:
+    if counters.crc_failures or counters.skipped_bytes > CUT_OFF:
         share = counters.crc_failures / (counters.crc_failures + counters.frames)
         yield Finding(
             ERROR if share > 0.1 else WARNING,
@@ -61,7 +61,9 @@ def _framing(recording: Recording) -> Iterator[Finding]:
             f'{counters.skipped_bytes:,} bytes that belong to none: look at cable, ground and '
             'baud rate.')
     else:
-        yield Finding(GOOD, f'All {counters.frames:,} frames are intact; no byte is left over.')
+        rest = f'{counters.skipped_bytes} bytes are left over, as where a recording begins or ' \
+               'ends within a frame' if counters.skipped_bytes else 'no byte is left over'
+        yield Finding(GOOD, f'All {counters.frames:,} frames are intact; {rest}.')
     if counters.unknown_types:
         names = ', '.join(f'{name} ({count:,})'
                           for name, count in sorted(counters.unknown_types.items()))

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 import math
 
+from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.report.allan import Allan, allan
 from bahrs_driver.report.gather import Recording
 from bahrs_driver.report.plots import COLOURS, WIDTH
@@ -17,7 +18,7 @@ from matplotlib.mlab import psd
 import numpy as np
 
 ENOUGH = 60.0               # s of rest, below which nothing is said of noise
-LONGEST = 4_000_000         # samples looked at
+LONGEST = 2_000_000         # samples looked at, nearly three hours
 WELCH = 4096                # samples of each piece of a spectrum
 LINE = 3.0                  # times the median density, from which on it is no noise
 LOWEST_LINE = 1.0           # Hz
@@ -39,17 +40,11 @@ class Noise:
     rate_allan: Sequence[Allan]
 
 
-def rest_seconds(recording: Recording) -> float:
-    """Return how long the longest rest was."""
-    noise = _rest(recording)
-    return noise[1] if noise else 0.0
-
-
-def noise_at_rest(recording: Recording) -> Noise | None:
-    """Look at the longest rest; None if it is too short."""
+def noise_at_rest(recording: Recording) -> Noise | float:
+    """Look at the longest rest; return but its length in s if it is too short."""
     found = _rest(recording)
     if found is None or found[1] < ENOUGH:
-        return None
+        return found[1] if found else 0.0
     part, length = found
     seconds = recording.inertial.seconds[part]
     period = length / (len(seconds) - 1)
@@ -90,12 +85,14 @@ def spectrum(noise: Noise) -> Figure:
             (right, noise.rate * math.degrees(1), '°/s', 'angular rate')):
         for colour, name, column in zip(COLOURS, COMPONENTS, values.T):
             frequency, density = _density(column, noise.period)
-            axes.loglog(frequency, density, color=colour, lw=0.8, label=name)
+            if density.any():
+                axes.loglog(frequency, density, color=colour, lw=0.8, label=name)
         low, high = axes.get_ylim()
         axes.set_ylim(low / 2, high * 2)
+        _say_if_empty(axes)
         axes.set_ylabel(f'{what} [{unit}/√Hz]')
         axes.set_xlabel('frequency [Hz]')
-        axes.legend(frameon=False, ncols=3, loc='lower right', bbox_to_anchor=(1.0, 0.98))
+        _legend(axes)
     return figure
 
 
@@ -107,14 +104,17 @@ def deviation(noise: Noise) -> Figure:
             (right, noise.rate_allan, _DEGREES_AN_HOUR, '°/h', 'angular rate')):
         for colour, name, curve in zip(COLOURS, COMPONENTS, curves):
             value = curve.deviation * factor
+            if not len(value):
+                continue
             axes.loglog(curve.tau, value, color=colour, lw=1.2, label=name)
             error = np.minimum(curve.relative_error, 0.9)
             axes.fill_between(curve.tau, value * (1 - error), value * (1 + error), color=colour,
                               alpha=0.15, lw=0)
         _slope(axes, curves, factor)
+        _say_if_empty(axes)
         axes.set_ylabel(f'{what} [{unit}]')
         axes.set_xlabel('averaging time τ [s]')
-        axes.legend(frameon=False, ncols=4, loc='lower right', bbox_to_anchor=(1.0, 0.98))
+        _legend(axes)
     return figure
 
 
@@ -132,8 +132,8 @@ def _lines(values: Array, period: float) -> list[str]:
         frequency, density = _density(column, period)
         fast = frequency > LOWEST_LINE
         strongest = int(np.argmax(density[fast]))
-        above = density[fast][strongest] / np.median(density[fast])
-        found.append(f'{frequency[fast][strongest]:.1f}' if above > LINE else 'none')
+        seen = density[fast][strongest] > LINE * np.median(density[fast])
+        found.append(f'{frequency[fast][strongest]:.1f}' if seen else 'none')
     return found
 
 
@@ -141,9 +141,19 @@ def _slope(axes: Axes, curves: Sequence[Allan], factor: float) -> None:
     """Draw the line of white noise beside the curves."""
     known = [curve.white_noise for curve in curves if curve.white_noise]
     if known:
-        tau = curves[0].tau[[0, -1]]
+        tau = next(curve.tau for curve in curves if len(curve.tau))[[0, -1]]
         axes.loglog(tau, np.median(known) * factor / np.sqrt(tau), color='#888888', lw=0.8,
                     ls='--', label='N/√τ')
+
+
+def _legend(axes: Axes) -> None:
+    if axes.lines:
+        axes.legend(frameon=False, ncols=4, loc='lower right', bbox_to_anchor=(1.0, 0.98))
+
+
+def _say_if_empty(axes: Axes) -> None:
+    if not axes.lines:
+        axes.text(0.5, 0.5, 'all values are the same', transform=axes.transAxes, ha='center')
 
 
 def _pair() -> tuple[Figure, list[Axes]]:
@@ -157,13 +167,19 @@ def _pair() -> tuple[Figure, list[Axes]]:
 
 def _rest(recording: Recording) -> tuple[slice, float] | None:
     signals = recording.inertial
-    force, rate = signals.values['specific_force'], signals.values['angular_rate']
+    force, rate = (np.where(known, signals.values[name], np.nan) for name, known in (
+        ('specific_force', _available(signals.health[:, :3])),
+        ('angular_rate', _available(signals.health[:, 3:]))))
     rest = longest_rest(signals.seconds, force, rate)
     part = slice(rest.begin, min(rest.end, rest.begin + LONGEST))
     if part.stop - part.start < 2:
         return None
     seconds = signals.seconds[part]
     return part, float(seconds[-1] - seconds[0])
+
+
+def _available(health: Array) -> Array:
+    return np.isin(health, (Integrity.SAFE, Integrity.INTEGRITY_RISK))
 
 
 def _each(values: Array, precision: str) -> list[str]:

@@ -106,10 +106,9 @@ def _pictures(recording: Recording, story: ClockStory | None) -> Iterator[str]:
 
 def _noise(recording: Recording) -> Iterator[str]:
     found = noise.noise_at_rest(recording)
-    if found is None:
-        rest = noise.rest_seconds(recording)
+    if isinstance(found, float):
         yield ('<h2>Noise at rest</h2><p>Noise can be told from motion only at rest: the device '
-               f'stood still for {rest:.0f} s at the longest, and {noise.ENOUGH:.0f} s are '
+               f'stood still for {found:.0f} s at the longest, and {noise.ENOUGH:.0f} s are '
                'needed.</p>')
         return
     yield _section(f'Noise at rest, {found.seconds:.0f} s from {clock_time(found.begin)}',
@@ -120,12 +119,12 @@ def _noise(recording: Recording) -> Iterator[str]:
 
 def _lead(recording: Recording) -> str:
     versions = ' and '.join(str(version) for version in sorted(recording.versions)) or '-'
-    begun = f', read from {_date(recording.reads.ros_ns[0])} on' if recording.reads else ''
+    begun = f', read from {_date(recording.reads.ros_ns[0] / 1e9)} on' if recording.reads else ''
     return f'{recording.size:,} bytes of a BAHRS, protocol version {versions}{begun}.'
 
 
-def _date(ros_ns: int) -> str:
-    return time.strftime('%Y-%m-%d %H:%M:%S UTC', time.gmtime(ros_ns / 1e9))
+def _date(seconds: float) -> str:
+    return time.strftime('%Y-%m-%d %H:%M:%S UTC', time.gmtime(seconds))
 
 
 def _facts(recording: Recording, story: ClockStory | None) -> Iterator[tuple[str, str]]:
@@ -160,8 +159,8 @@ def _clock_rows(recording: Recording,
     if story is None:
         return
     drift = 'too short to tell' if story.drift_ppm is None else f'{story.drift_ppm:+.2f} ppm'
-    yield "drift: the device's clock is slow by", [drift]
-    yield 'host time less device time at the beginning', [f'{story.offset:.6f} s']
+    yield "drift: the device's clock is fast by", [drift]
+    yield 'device time was 0 at', [_date(story.device_zero)]
     yield '99 of 100 samples come less late than', [f'{story.late_99 * 1e3:.2f} ms']
     yield 'bytes a read (median)', [f'{story.read_bytes}']
     yield 'longest time between two reads', [f'{story.longest_pause * 1e3:.1f} ms']

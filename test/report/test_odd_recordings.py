@@ -1,0 +1,72 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests that every recording gets its page, however little it holds."""
+
+import random
+import warnings
+
+from bahrs_driver.protocol.bahrs import (
+    Accuracy, Inertial, InertialTime, Navigation, NvmPage, SoftwareVersion, SyncPulseTime,
+)
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec
+from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.recording.capture import read_capture
+from bahrs_driver.report.gather import gather
+from bahrs_driver.report.page import page
+from emulated import make_emulation, on_the_wire
+import pytest
+
+SAFE = (Integrity.SAFE,) * 6
+
+
+def inertial(count, health=SAFE):
+    """Return so many samples, all with the same values."""
+    return [Inertial(index % 256, (0.0, 0.0, -9.8), (0.0, 0.0, 0.0), health)
+            for index in range(count)]
+
+
+ODD = {
+    'one sample': inertial(1),
+    'two samples': inertial(2),
+    'the same sample again and again': inertial(1) * 50,
+    'no inertial sample': [Navigation(index % 256, 500.0, 0.0, 0.0, 0.0, 0.0, SAFE[:5])
+                           for index in range(300)],
+    'a time': [InertialTime(0, 1, 5000)],
+    'a version': [SoftwareVersion('ABC', 1, 2)],
+    'a pulse': [SyncPulseTime(1, 5)],
+    'an accuracy that is none': [Accuracy(1, None, None, None, 5)],
+    'a page of memory': [NvmPage(0, bytes(32))],
+    'a device time that cannot be': [*inertial(1), InertialTime(0, 1, 2 ** 64 - 1), *inertial(1),
+                                     InertialTime(0, 2, 5000)],
+    'nothing available': inertial(15_000, (Integrity.UNAVAILABLE,) * 6),
+    'no noise at all': inertial(15_000),
+}
+
+
+def made(tmp_path, data):
+    """Return the page of some bytes; no library may have anything to complain of."""
+    path = tmp_path / 'odd.bin'
+    path.write_bytes(data)
+    with warnings.catch_warnings():
+        warnings.simplefilter('error')
+        return ''.join(page(gather(read_capture(path))))
+
+
+@pytest.mark.parametrize('messages', ODD.values(), ids=ODD)
+def test_little_or_odd(messages, tmp_path):
+    """The page is whole."""
+    codec = BahrsCodec()
+    text = made(tmp_path, b''.join(codec.encode(message, 3) for message in messages))
+    assert text.endswith('</html>\n') and 'Findings' in text
+
+
+@pytest.mark.parametrize('seed', range(4))
+def test_a_piece_of_a_damaged_recording(seed, tmp_path):
+    """Wherever it begins and ends."""
+    chance = random.Random(seed)
+    data = bytearray(on_the_wire(make_emulation(), 6.0)[1])
+    begin = chance.randrange(len(data) // 2)
+    piece = data[begin:begin + chance.choice([100, 1000, 20_000])]
+    for _ in range(10):
+        piece[chance.randrange(len(piece))] ^= 1 << chance.randrange(8)
+    assert made(tmp_path, bytes(piece)).endswith('</html>\n')
