@@ -117,8 +117,11 @@ class Page:
             _figures(width, ('height', self._height()))])
 
     def _height(self) -> str:
-        message = self._watch.fresh('pressure_altitude')
-        return '-' if message is None else f'{message.altitude:.1f} m'
+        for topic in ('pressure_altitude', 'fix'):
+            message = self._watch.fresh(topic)
+            if message is not None:
+                return f'{message.altitude:.1f} m'
+        return '-'
 
     def _climb(self) -> str:
         message = self._watch.fresh('velocity')

@@ -25,6 +25,8 @@ def tables(watch: Watch) -> Group:
     """Return the present state."""
     topics = Table('Topic', 'Hz', 'Count', 'Latest (SI)', box=None, pad_edge=False)
     for name, tally in watch.tallies.items():
+        if watch.heard and not watch.offered(name):
+            continue            # of another device
         topics.add_row(name, f'{tally.rate():.1f}', f'{tally.count:,}', Text(watch.text(name)))
     health = Table('Task', 'Level', 'Message', box=None, pad_edge=False)
     for task, status in watch.health.items():

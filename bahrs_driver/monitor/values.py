@@ -6,6 +6,7 @@ from collections.abc import Callable
 import math
 from typing import Any, NamedTuple
 
+from bahrs_driver.convert.covariance import UNKNOWN_VARIANCE
 from diagnostic_msgs.msg import DiagnosticStatus
 
 
@@ -72,9 +73,28 @@ def _heading(message: Any) -> str:
     return 'unavailable' if math.isnan(message.data) else f'{message.data:.1f}°'
 
 
+def _velocity(message: Any) -> str:
+    velocity = message.twist.twist.linear
+    across = message.twist.covariance[0] < UNKNOWN_VARIANCE     # or only upward is measured
+    return (f'x {velocity.x:+.2f} y {velocity.y:+.2f} ' if across else '') \
+        + f'z {velocity.z:+.2f} m/s'
+
+
+def _position(fix: Any) -> str:
+    if fix.status.status < 0:
+        return 'no fix'
+    return f'{fix.latitude:+.7f}° {fix.longitude:+.7f}° {fix.altitude:.1f} m'
+
+
+def _odometry(message: Any) -> str:
+    position = message.pose.pose.position
+    return f'x {position.x:+.1f} y {position.y:+.1f} z {position.z:+.1f} m'
+
+
 def _device_time(reference: Any) -> str:
     time = reference.time_ref
-    return f'device time {time.sec + time.nanosec * 1e-9:.3f} s'
+    clock = 'GPS' if reference.source == 'gps' else 'device'
+    return f'{clock} time {time.sec + time.nanosec * 1e-9:.3f} s'
 
 
 FORMATS: dict[str, Callable[[Any], str]] = {
@@ -84,7 +104,11 @@ FORMATS: dict[str, Callable[[Any], str]] = {
     'static_pressure': lambda message: f'{message.fluid_pressure / 100:.2f} hPa',
     'pressure_altitude': lambda message: f'{message.altitude:.1f} m',
     'altitude/pose': lambda message: f'z {message.pose.pose.position.z:+.1f} m',
-    'velocity': lambda message: f'z {message.twist.twist.linear.z:+.2f} m/s',
+    'velocity': _velocity,
+    'differential_pressure': lambda message: f'{message.fluid_pressure:.1f} Pa',
+    'temperature': lambda message: f'{message.temperature:.1f} °C',
+    'fix': _position,
+    'odometry': _odometry,
     'heading': _heading,
     'integrity': _integrity,
     'time_reference': _device_time,

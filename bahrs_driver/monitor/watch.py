@@ -113,8 +113,8 @@ class Watch:
         return self._upward < 0
 
     def message(self, topic: str) -> Any:
-        """Return the latest message of a topic; None if there was none."""
-        data = self.tallies[topic].data
+        """Return the latest message of a topic; None if there was none, or no such topic."""
+        data = self.tallies[topic].data if topic in self.tallies else b''
         return deserialize_message(data, TOPICS[topic]) if data else None
 
     def text(self, topic: str) -> str:
@@ -124,7 +124,8 @@ class Watch:
 
     def fresh(self, topic: str) -> Any:
         """Return the latest message of a topic; None if it is of the past."""
-        return self.message(topic) if self.tallies[topic].age < DATA_TIMEOUT else None
+        tally = self.tallies.get(topic)
+        return self.message(topic) if tally and tally.age < DATA_TIMEOUT else None
 
     def offered(self, topic: str) -> bool:
         """Return whether somebody publishes a topic, or did."""

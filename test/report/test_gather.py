@@ -50,10 +50,10 @@ def test_without_times_of_reads():
     assert recording.duration > 9.0
 
 
-@pytest.mark.parametrize('drift', [-80.0, 0.0, 150.0])
+@pytest.mark.parametrize('drift', [-80.0, 150.0])
 def test_the_drift_of_the_clock(drift):
     """It is that which the emulator was given."""
-    recording = recorded(make_emulation(make_device(drift_ppm=drift)), seconds=60.0)
+    recording = recorded(make_emulation(make_device(drift_ppm=drift)), seconds=40.0)
     story = clock_story(recording)
     assert story.drift_ppm == pytest.approx(drift, abs=5.0)
     assert 0.0 <= story.delay.min() and story.late_99 < 0.008
