@@ -17,6 +17,7 @@ from rich.console import Console
 from rich.text import Text
 
 DEFAULT_PORT = '/dev/ttyUSB0'
+_BY_ROS2 = 'ros2 run bahrs_driver driver_node'
 _STYLES = {Level.OK: 'green', Level.ADVICE: 'yellow', Level.PROBLEM: 'bold red'}
 _EXAMPLES = """examples:
   bahrs doctor                                  the only adapter that is plugged in
@@ -52,6 +53,9 @@ def run(options: argparse.Namespace) -> int:
     findings = []
     console = Console(soft_wrap=True, highlight=False)
     for finding in _findings(options, has_rclpy):
+        if not os.environ.get('AMENT_PREFIX_PATH'):         # there is no ros2 command then
+            finding = finding._replace(
+                command=finding.command.replace(_BY_ROS2, 'driver_node'))
         findings.append(finding)
         if not options.json:
             _show(console, finding)
@@ -76,7 +80,7 @@ def _findings(options: argparse.Namespace, has_rclpy: bool) -> Iterator[Finding]
                                   options.baud_rate)
     yield from ros_environment.look(machine.environment, has_rclpy, Path(sys.prefix))
     if has_rclpy:
-        yield from _graph(options.namespace)
+        yield from _graph(options.namespace, port)
 
 
 def _has_rclpy() -> bool:
@@ -88,13 +92,13 @@ def _has_rclpy() -> bool:
     return True
 
 
-def _graph(namespace: str) -> Iterator[Finding]:
+def _graph(namespace: str, port: str) -> Iterator[Finding]:
     from bahrs_driver.doctor import graph       # needs ROS, and the doctor must run without
     import rclpy
     rclpy.init(args=[])
     try:
         yield from graph.look(
-            rclpy.create_node(f'bahrs_doctor_{os.getpid()}', namespace=namespace))
+            rclpy.create_node(f'bahrs_doctor_{os.getpid()}', namespace=namespace), port)
     finally:
         rclpy.try_shutdown()
 

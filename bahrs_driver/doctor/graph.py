@@ -17,14 +17,18 @@ DIAGNOSTICS = '/diagnostics'
 _POLICIES = ('reliability', 'durability')
 
 
-def look(node: Node, seconds: float = DISCOVERY_TIME) -> Iterator[Finding]:
-    """Yield what is so about the topics of the driver in the namespace of a node."""
+def look(node: Node, port: str, seconds: float = DISCOVERY_TIME) -> Iterator[Finding]:
+    """
+    Yield what is so about the topics of the driver in the namespace of a node.
+
+    port is that of the device, for the command that starts a driver.
+    """
     time.sleep(seconds)             # what is there can only be waited for
     topics = [node.resolve_topic_name(name) for name in TOPICS]
     offered = [name for name in topics if node.get_publishers_info_by_topic(name)]
     if not offered:
         yield advice('driver', 'no driver is heard: nothing to compare subscribers with',
-                     'ros2 run bahrs_driver driver_node --ros-args -p port:=/dev/ttyUSB0')
+                     f'ros2 run bahrs_driver driver_node --ros-args -p port:={port}')
         return
     yield good('driver', f'publishes {len(offered)} of {len(topics)} topics')
     wrong = [finding for name in [*offered, DIAGNOSTICS] for finding in _topic(node, name)]

@@ -11,6 +11,7 @@ from bahrs_driver.doctor.finding import advice, Finding, good, problem
 PACKAGE = 'bahrs_driver'
 DISTRIBUTION = 'jazzy'
 SAFE_DOMAINS = range(102)           # above, ports collide with those that Linux gives away
+CHOOSER = 'rmw_implementation'      # is none itself, but loads one
 RANGES = ('SUBNET', 'LOCALHOST', 'OFF', 'SYSTEM_DEFAULT')
 
 
@@ -60,7 +61,8 @@ def _package(prefixes: list[Path]) -> Iterator[Finding]:
 
 def _middleware(environment: Mapping[str, str], prefixes: list[Path]) -> Iterator[Finding]:
     there = sorted({file.name for prefix in prefixes for file in
-                    (prefix / 'share/ament_index/resource_index/rmw_typesupport').glob('rmw_*')})
+                    (prefix / 'share/ament_index/resource_index/rmw_typesupport').glob('rmw_*')
+                    if file.name != CHOOSER})
     chosen = environment.get('RMW_IMPLEMENTATION', '')
     if chosen and there and chosen not in there:
         yield problem('middleware', f'RMW_IMPLEMENTATION is {chosen}, which is not installed; '

@@ -43,12 +43,14 @@ def findings(node, publishers, subscribers):
     topic = '/made_up/imu/data'
     assert wait_for(lambda: known(node.get_publishers_info_by_topic(topic)) == publishers
                     and known(node.get_subscriptions_info_by_topic(topic)) == subscribers, 60)
-    return {finding.check: finding for finding in look(node, 0.0)}
+    return {finding.check: finding for finding in look(node, '/dev/ttyUSB7', 0.0)}
 
 
 def test_no_driver(node):
     """It is said."""
-    assert 'no driver is heard' in findings(node, 0, 0)['driver'].message
+    finding = findings(node, 0, 0)['driver']
+    assert 'no driver is heard' in finding.message
+    assert finding.command.endswith('port:=/dev/ttyUSB7')
 
 
 def test_a_subscriber_that_fits(node):

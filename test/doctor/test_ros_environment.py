@@ -15,7 +15,8 @@ NOWHERE = Path('/nowhere')
 def prefix(tmp_path):
     """Return a prefix with this package and one middleware."""
     index = tmp_path / 'share/ament_index/resource_index'
-    for name in ('packages/bahrs_driver', 'rmw_typesupport/rmw_fastrtps_cpp'):
+    for name in ('packages/bahrs_driver', 'rmw_typesupport/rmw_fastrtps_cpp',
+                 'rmw_typesupport/rmw_implementation'):
         (index / name).parent.mkdir(parents=True, exist_ok=True)
         (index / name).touch()
     return tmp_path
@@ -32,6 +33,7 @@ def test_as_it_should_be(prefix):
     findings = found(prefix, ROS_DOMAIN_ID='7', RMW_IMPLEMENTATION='rmw_fastrtps_cpp')
     assert {finding.level for finding in findings.values()} == {Level.OK}
     assert set(findings) == {'ROS', 'package', 'middleware', 'domain', 'discovery'}
+    assert found(prefix)['middleware'].message == 'is the default (there is rmw_fastrtps_cpp)'
 
 
 def test_not_sourced(prefix):
