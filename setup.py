@@ -19,8 +19,6 @@ setup(
         (f'share/{PACKAGE}/launch', glob('launch/*')),
     ],
     install_requires=['numpy', 'pyproj', 'pyserial', 'rich', 'setuptools'],
-    extras_require={'tools': ['mcap>=1.6', 'rosbags>=0.11']},
-    install_requires=['numpy', 'pyserial', 'rich', 'setuptools'],
     extras_require={'tools': ['matplotlib>=3.5', 'mcap>=1.6', 'rosbags>=0.11']},
     python_requires='>=3.10',
     zip_safe=True,

@@ -46,12 +46,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     decode_sensors.add_arguments(parser)
     parser.add_argument('--json', action='store_true',
                         help='print the summary as one JSON object')
-    parser.add_argument('--sensor', choices=('bahrs',), default='bahrs',
-                        help='which device sent it (default: %(default)s)')
-    parser.add_argument('--crc', choices=('auto', 'word', 'byte'), default='auto',
-                        help='order of the CRC (default: %(default)s)')
-    parser.add_argument('--pressure-height', choices=('uint16', 'int16'), default='uint16',
-                        help='format of the pressure height (default: %(default)s)')
 
 
 def run(options: argparse.Namespace) -> int:
@@ -66,13 +60,9 @@ def run(options: argparse.Namespace) -> int:
         elif options.format == 'csv':
             _print_csv(decoder, messages)
         else:
-            _print_summary(Counter(message.NAME for _, message in messages), decoder)
-    complaint = decoder.complaint()
             counts = Counter(message.NAME for _, message in messages)
-            if options.json:
-                _print_json(counts, framer, frame_format)
-            else:
-                _print_summary(counts, framer, frame_format)
+            (_print_json if options.json else _print_summary)(counts, decoder)
+    complaint = decoder.complaint()
     if not framer.counters.frames:
         complaint = f'no frame in {framer.received} bytes'
     if complaint:
@@ -140,17 +130,17 @@ def _flat(values: Iterable[Any]) -> Iterator[Any]:
             yield value
 
 
-def _print_summary(counts: Counter[str], decoder: Decoder) -> None:
+def _print_json(counts: Counter[str], decoder: Decoder) -> None:
     framer = decoder.framer
-def _print_json(counts: Counter[str], framer: Framer, frame_format: BahrsFormat) -> None:
     counters = framer.counters
     print(json.dumps({
         'counts': counts, 'unknown_types': counters.unknown_types, 'bytes': framer.received,
         'crc_failures': counters.crc_failures, 'skipped_bytes': counters.skipped_bytes,
-        'version': frame_format.version_seen, 'crc_order': frame_format.order_seen}))
+        **{name.lower().replace(' ', '_'): value for name, value in decoder.detected()}}))
 
 
-def _print_summary(counts: Counter[str], framer: Framer, frame_format: BahrsFormat) -> None:
+def _print_summary(counts: Counter[str], decoder: Decoder) -> None:
+    framer = decoder.framer
     counters = framer.counters
     rows = [(name, count) for name, count in counts.most_common()]
     rows += [(f'unknown type {name}', count)

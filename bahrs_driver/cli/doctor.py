@@ -22,6 +22,7 @@ _STYLES = {Level.OK: 'green', Level.ADVICE: 'yellow', Level.PROBLEM: 'bold red'}
 _EXAMPLES = """examples:
   bahrs doctor                                  the only adapter that is plugged in
   bahrs doctor --port /dev/ttyUSB1 --json       for a script
+  bahrs doctor --ask                            a Titan-M must be asked
 
 exit status: 0 if nothing is wrong, 1 if there is a problem; advice is no problem
 """
@@ -32,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         'Look at the port, its adapter, who else uses it, which device speaks on it and how\n'
         'fast, and at the set-up of ROS and who listens. Each finding comes with the command\n'
-        'that mends it. Nothing is written to the device.')
+        'that mends it. Nothing is written to the device, but with --ask.')
     parser.epilog = _EXAMPLES
     parser.add_argument('--port', help='path or pyserial URL (default: the only adapter there is, '
                                        f'or {DEFAULT_PORT})')
@@ -42,6 +43,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='namespace of the driver and its topics (default: none)')
     parser.add_argument('--no-listen', action='store_true',
                         help='do not open the port')
+    parser.add_argument('--ask', action='store_true',
+                        help='write requests for its state to a Titan-M, which answers only; '
+                             'without this nothing is ever written')
     parser.add_argument('--json', action='store_true',
                         help='print one JSON array of check, level, message and command')
     parser.add_argument('--root', type=Path, default=Path('/'), help=argparse.SUPPRESS)
@@ -77,7 +81,7 @@ def _findings(options: argparse.Namespace, has_rclpy: bool) -> Iterator[Finding]
                 may_listen = False
     if may_listen:
         yield from listening.look(str(machine.path(port)) if '://' not in port else port,
-                                  options.baud_rate)
+                                  options.baud_rate, ask=options.ask)
     yield from ros_environment.look(machine.environment, has_rclpy, Path(sys.prefix))
     if has_rclpy:
         yield from _graph(options.namespace, port)

@@ -7,11 +7,13 @@ from itertools import product
 import time
 from typing import Any
 
-from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.convert.bahrs import TOPICS as BAHRS_TOPICS
+from bahrs_driver.convert.titan_m import TOPICS as TITAN_TOPICS
 from bahrs_driver.doctor.finding import advice, Finding, good, problem
 from rclpy.node import Node
 from rclpy.qos import qos_check_compatible, QoSCompatibility
 
+TOPICS = {**BAHRS_TOPICS, **TITAN_TOPICS}
 DISCOVERY_TIME = 2.0        # s
 DIAGNOSTICS = '/diagnostics'
 _POLICIES = ('reliability', 'durability')
@@ -30,7 +32,7 @@ def look(node: Node, port: str, seconds: float = DISCOVERY_TIME) -> Iterator[Fin
         yield advice('driver', 'no driver is heard: nothing to compare subscribers with',
                      f'ros2 run bahrs_driver driver_node --ros-args -p port:={port}')
         return
-    yield good('driver', f'publishes {len(offered)} of {len(topics)} topics')
+    yield good('driver', f'publishes {len(offered)} topics')
     wrong = [finding for name in [*offered, DIAGNOSTICS] for finding in _topic(node, name)]
     yield from wrong
     if not wrong:

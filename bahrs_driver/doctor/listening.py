@@ -1,8 +1,13 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which device speaks on a port, and how fast. Only listens: nothing is ever written."""
+"""
+Which device speaks on a port, and how fast.
 
-from collections.abc import Iterator, Sequence
+A BAHRS sends by itself, so it is enough to listen, and nothing is written. A Titan-M answers only:
+it is asked if the user wants that.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
 import time
 from typing import NamedTuple
 
@@ -10,70 +15,97 @@ from bahrs_driver.doctor.finding import Finding, good, problem
 from bahrs_driver.link import Link, LinkError
 from bahrs_driver.protocol.bahrs_frames import BahrsFormat
 from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.protocol.titan_frames import AnswerFormat, build_request
+from bahrs_driver.protocol.titan_m import StateRequest
 
 BAUD_RATES = (115200, 921600, 460800, 230400, 57600, 38400, 19200, 9600)
 LISTEN_TIME = 1.5           # s at each rate
+ASK_EVERY = 0.3             # s
 ENOUGH_FRAMES = 20          # to be sure, without listening for so long
 
 
 class Heard(NamedTuple):
-    """What came at one rate."""
+    """What came at one rate: of the device that was recognised, or of none."""
 
     baud_rate: int
     bytes_received: int
-    frames: int
-    damaged: int
-    version: int | None
+    device: str = ''                # empty if there was no frame of any
+    sensor: str = ''                # the parameter that goes with it
+    frames: int = 0
+    damaged: int = 0
 
 
-def listen(port: str, baud_rate: int, seconds: float = LISTEN_TIME) -> Heard:
-    """Return what comes on a port; LinkError if it cannot be opened."""
+def listen(port: str, baud_rate: int, seconds: float = LISTEN_TIME, ask: bool = False) -> Heard:
+    """Return what comes on a port, asked for or not; LinkError if it cannot be opened."""
     frame_format = BahrsFormat()
-    framer = Framer(frame_format)
+    framers = {'bahrs': Framer(frame_format), 'titan_m': Framer(AnswerFormat())}
     link = Link(port, baud_rate)
     link.connect()
     try:
-        end = time.monotonic() + seconds
-        while time.monotonic() < end and framer.counters.frames < ENOUGH_FRAMES:
+        begin, asked = time.monotonic(), 0
+        while time.monotonic() < begin + seconds and not _enough(framers, asked):
+            if ask and time.monotonic() >= begin + asked * ASK_EVERY:
+                # Nothing tells which byte order the device wants in a checksum.
+                link.write(build_request(
+                    StateRequest, checksum_order='little' if asked % 2 else 'big'))
+                asked += 1
             reading = link.read()
-            if reading:
-                framer.feed(reading.data)
+            for framer in framers.values():
+                framer.feed(reading.data if reading else b'')
     finally:
         link.close()
-    return Heard(baud_rate, framer.received, framer.counters.frames,
-                 framer.counters.crc_failures, frame_format.version_seen)
+    sensor = max(framers, key=lambda name: framers[name].counters.frames)
+    framer = framers[sensor]
+    if not framer.counters.frames:
+        return Heard(baud_rate, framer.received)
+    device = 'Titan-M' if sensor == 'titan_m' else \
+        f'BAHRS of protocol version {frame_format.version_seen}'
+    return Heard(baud_rate, framer.received, device, sensor, framer.counters.frames,
+                 framer.counters.crc_failures)
 
 
-def look(port: str, asked_rate: int, seconds: float = LISTEN_TIME,
+def _enough(framers: Mapping[str, Framer], asked: int) -> bool:
+    return framers['bahrs'].counters.frames >= ENOUGH_FRAMES \
+        or framers['titan_m'].counters.frames >= max(1, asked // 2)
+
+
+def look(port: str, asked_rate: int, seconds: float = LISTEN_TIME, ask: bool = False,
          rates: Sequence[int] = BAUD_RATES) -> Iterator[Finding]:
     """Yield which device speaks, at the rate that is asked for or else at which other."""
     try:
-        first = listen(port, asked_rate, seconds)
-        if first.frames:
+        first = listen(port, asked_rate, seconds, ask)
+        if first.device:
             yield _described(first)
             return
-        if not first.bytes_received:
+        if not first.bytes_received and not ask:
             yield problem('device', f'nothing arrives on {port}: a BAHRS sends by itself, so look '
-                                    'at its power and at the line from its output, then listen '
-                                    'again', f'bahrs doctor --port {port}')
+                                    'at its power and at the line from its output; a Titan-M '
+                                    'must be asked', f'bahrs doctor --port {port} --ask')
             return
         for rate in rates:
-            if rate != asked_rate and (heard := listen(port, rate, seconds)).frames:
-                yield problem('device', f'a BAHRS speaks at {rate} baud, not at {asked_rate}',
+            if rate != asked_rate and (heard := listen(port, rate, seconds, ask)).device:
+                yield problem('device', f'a {heard.device} speaks at {rate} baud, not at '
+                                        f'{asked_rate}',
                               'ros2 run bahrs_driver driver_node --ros-args -p '
-                              f'port:={port} -p baud_rate:={rate}')
+                              f'sensor:={heard.sensor} -p port:={port} -p baud_rate:={rate}')
                 yield _described(heard)
                 return
     except (LinkError, ValueError) as error:
         yield problem('device', f'cannot listen: {error}', f'bahrs doctor --port {port}')
         return
+    if not first.bytes_received:
+        yield problem('device', f'nothing arrives on {port}, though a Titan-M was asked at all '
+                                'usual rates: look at its power and at both lines, then ask again',
+                      f'bahrs doctor --port {port} --ask')
+        return
     yield problem('device', f'{first.bytes_received:,} bytes arrive at {asked_rate} baud, but no '
-                            'frame of a BAHRS, at no usual rate: it is another device, or the '
-                            'line is inverted or noisy; look at the bytes',
+                            'frame of a BAHRS or Titan-M, at no usual rate: it is another device, '
+                            'or the line is inverted or noisy; look at the bytes',
                   f'stty -F {port} {asked_rate} raw && timeout 1 xxd {port} | head')
 
 
 def _described(heard: Heard) -> Finding:
+    verb = 'answers' if heard.sensor == 'titan_m' else 'sends'
     damage = f', {heard.damaged} damaged' if heard.damaged else ', none damaged'
-    return good('device', f'a BAHRS of protocol version {heard.version} sends at '
-                          f'{heard.baud_rate} baud: {heard.frames} frames{damage}')
+    return good('device', f'a {heard.device} {verb} at {heard.baud_rate} baud: {heard.frames} '
+                          f'frames{damage}')

@@ -14,7 +14,8 @@ import math
 import time
 from typing import Any
 
-from bahrs_driver.convert.bahrs import LATCHED, TOPICS
+from bahrs_driver.convert.bahrs import LATCHED, TOPICS as BAHRS_TOPICS
+from bahrs_driver.convert.titan_m import TOPICS as TITAN_TOPICS
 from bahrs_driver.monitor.values import Attitude, attitude, FORMATS, vertical_force
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.executors import SingleThreadedExecutor
@@ -22,6 +23,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
+TOPICS = {**BAHRS_TOPICS, **TITAN_TOPICS}
 RATE_WINDOW = 2.0           # s over which a rate is measured
 DATA_TIMEOUT = 1.5          # s without data, from which on it has stopped
 DRIVER_TIMEOUT = 3.5        # s without diagnostics, from which on the driver is gone
@@ -73,6 +75,7 @@ class Watch:
         self.health: dict[str, DiagnosticStatus] = {}           # by name of the task
         self.events: deque[tuple[float, str, DiagnosticStatus]] = deque(maxlen=EVENTS)
         self._node = node
+        self._offered: set[str] = set()         # topics that somebody publishes
         self._data_at = self._health_at = -math.inf
         self._upward = 0.0          # m/s^2, low-passed specific force along the world's z axis
         self._executor = SingleThreadedExecutor(context=node.context)
@@ -84,6 +87,7 @@ class Watch:
 
     def spin(self, seconds: float) -> None:
         """Listen for a while."""
+        self._offered = {topic for topic in TOPICS if self._node.count_publishers(topic)}
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:
             self._executor.spin_once(timeout_sec=left)
@@ -129,7 +133,7 @@ class Watch:
 
     def offered(self, topic: str) -> bool:
         """Return whether somebody publishes a topic, or did."""
-        return bool(self.tallies[topic].count or self._node.count_publishers(topic))
+        return bool(self.tallies[topic].count) or topic in self._offered
 
     def attitude(self) -> Attitude | None:
         """Return the present attitude in degrees, roll right, pitch up; None if unknown."""

@@ -4,7 +4,6 @@
 
 import contextlib
 
-from bahrs_driver.convert.bahrs import TOPICS
 from bahrs_driver.doctor.finding import Level
 from bahrs_driver.doctor.graph import look
 from processes import wait_for
@@ -58,7 +57,7 @@ def test_a_subscriber_that_fits(node):
     node.create_publisher(Imu, 'imu/data', 100)
     node.create_subscription(Imu, 'imu/data', print, 10)
     found = findings(node, 1, 1)
-    assert found['driver'].message == f'publishes 1 of {len(TOPICS)} topics'
+    assert found['driver'].message == 'publishes 1 topics'
     assert found['subscribers'].level is Level.OK
 
 

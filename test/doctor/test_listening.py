@@ -7,6 +7,7 @@ from bahrs_driver.doctor.finding import Level
 from bahrs_driver.doctor.listening import Heard, look
 from bahrs_driver.emulator.pty_port import PtyPort
 from devices import Device
+from processes import running, wait_for
 import pytest
 
 
@@ -37,9 +38,11 @@ def heard(monkeypatch):
     """Return a list of the rates listened at; frames come only at the rate that is set."""
     rates = []
 
-    def listen(port, rate, seconds):
+    def listen(port, rate, seconds, ask):
         rates.append(rate)
-        return Heard(rate, 900, 20 * (rate == heard.speaks_at), 0, 2)
+        if rate != heard.speaks_at:
+            return Heard(rate, 900)
+        return Heard(rate, 900, 'BAHRS of protocol version 2', 'bahrs', 20, 0)
 
     def heard():
         return rates
@@ -62,3 +65,14 @@ def test_another_device(heard):
     (finding,) = look('/dev/ttyUSB0', 115200)
     assert finding.level is Level.PROBLEM and 'no frame of a BAHRS' in finding.message
     assert sorted(heard()) == sorted(listening.BAUD_RATES)
+
+
+def test_a_device_that_answers(tmp_path):
+    """A Titan-M is told to be asked, and asked if that is wanted; only then."""
+    port = str(tmp_path / 'port')
+    with running('bahrs', 'emulate', '--sensor', 'titan_m', '--link', port) as emulator:
+        assert wait_for(lambda: emulator.lines, 60)
+        (silent,) = look(port, 115200, seconds=0.5)
+        assert silent.command == f'bahrs doctor --port {port} --ask'
+        (found,) = look(port, 115200, seconds=30.0, ask=True)
+    assert found.level is Level.OK and 'a Titan-M answers at 115200 baud' in found.message
