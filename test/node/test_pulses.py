@@ -1,0 +1,68 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Sync pulses through the node and the emulator as processes, and somebody who tells of them."""
+
+import math
+import threading
+import time
+
+from devices import DIAGNOSTICS, status
+from processes import driver, listening, running, wait_for
+import pytest
+from sensor_msgs.msg import TimeReference
+
+SECOND = 10 ** 9
+TOLD_EARLY = 4_000_000      # ns, so that it can be seen whose word was taken
+
+
+class Teller(threading.Thread):
+    """Says after each whole second that a pulse came at it, less TOLD_EARLY."""
+
+    def __init__(self, node):
+        """Publish from a node."""
+        super().__init__(daemon=True)
+        self._publisher = node.create_publisher(TimeReference, 'pulses', 10)
+        self._ended = threading.Event()
+
+    def run(self):
+        """Tell until the end."""
+        told = time.time_ns() // SECOND
+        while not self._ended.wait(0.02):
+            if time.time_ns() // SECOND > told:
+                told += 1
+                message = TimeReference(source='test')
+                message.header.stamp.sec, message.header.stamp.nanosec = divmod(
+                    told * SECOND - TOLD_EARLY, SECOND)
+                self._publisher.publish(message)
+
+    def __enter__(self):
+        """Start."""
+        self.start()
+        return self
+
+    def __exit__(self, *_):
+        """Stop."""
+        self._ended.set()
+        self.join()
+
+
+def delay_by_pulses(ear):
+    """Return what pulses tell of the delay in us; NaN until stamps follow them."""
+    said = {pair.key: pair.value for pair in status(ear, 'Time').values} \
+        if status(ear, 'Time') else {}
+    told = said.get('Least delay by pulses [us]', 'unknown')
+    follows = said.get('Source in use') == 'sync_pulse' and told != 'unknown'
+    return float(told) if follows else math.nan
+
+
+@pytest.mark.parametrize('told', [False, True])
+def test_stamps_follow_pulses(tmp_path, told):
+    """At whole seconds of the host's clock, or when somebody says that they came."""
+    link = str(tmp_path / 'port')
+    words = {'time__sync_pulse__reference': 'pulses'} if told else {}
+    with listening(DIAGNOSTICS) as ear, running(
+            'bahrs', 'emulate', '--link', link, '--sync-pulse-rate', '1') as emulator:
+        assert wait_for(lambda: emulator.lines)
+        with Teller(ear.node), driver(link, time__source='sync_pulse', **words):
+            early = TOLD_EARLY / 1000 if told else 0
+            assert wait_for(lambda: -1000 < delay_by_pulses(ear) - early < 3000)
