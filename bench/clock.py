@@ -16,6 +16,7 @@ import sys
 import time
 
 from bahrs_driver.clock import ClockOptions, SampleClock, Stamped
+from clock_converted import CONVERTED_HEADER, smoothed, through_the_node
 from clock_methods import others, ours, Stamp
 from clock_picture import draw
 from clock_simulation import BYTE_TIME, Case, ORIGIN, plain_ros, Simulation
@@ -116,6 +117,18 @@ def settling() -> Iterator[tuple[object, ...]]:
         yield name, *worst
 
 
+def converted() -> Iterator[tuple[object, ...]]:
+    """Yield rows: live and converted afterwards, from the first stamp on."""
+    runs = {name: Case(adapter=adapter) for name, adapter in ADAPTERS.items()}
+    runs |= {f'{name}, 16 ms timer': CASES[name] for name in (
+        '1 % of frames lost', 'device restarted twice', 'overload of 40 s',
+        'temperature, 10 ppm', '5 % of time messages wrong', 'clock 200 ppm off')}
+    for name, case in runs.items():
+        for way, stamps in (('live', ours(case, SEEDS[0])[0]),
+                            ('**converted**', smoothed(case, SEEDS[0]))):
+            yield name, way, *figures(judged(stamps, case, 0.0))
+
+
 def cost() -> Iterator[tuple[object, ...]]:
     """Yield rows: microseconds a message; the floor makes the same tuples and no more."""
     for name, adapter in ADAPTERS.items():
@@ -162,6 +175,9 @@ def report(node: bool) -> Iterator[str]:
            'known counts at the time of the read that released it.')
     yield table(('adapter', 'first 2 s', 'then, to 20 s', 'first second after a restart',
                  'then'), settling())
+    yield ('## Converted afterwards\n\nThe same ten minutes live, and by `bahrs convert` with time '
+           'known from both sides; from the first stamp on, the time of settling included.')
+    yield table(HEADER, converted())
     yield '## Cost\n\nMicroseconds a message, and the floor in the same run.'
     yield table(('adapter', 'messages a read', 'floor', 'clock', 'clock / floor'), cost())
     if node:
@@ -169,6 +185,9 @@ def report(node: bool) -> Iterator[str]:
         yield ('## In a subscriber\n\nEmulated device on a real pseudo-terminal, driver, '
                'middleware; against the truth that the emulator wrote.')
         yield table(NODE_HEADER, measured())
+        yield ('## A flight and its conversion\n\nEmulated device, driver with `publish.raw`, '
+               '`bahrs record`, `bahrs convert`; all stamps of both bags, from the first on.')
+        yield table(CONVERTED_HEADER, through_the_node())
 
 
 def main() -> int:

@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from bahrs_driver.clock import ClockOptions, NANOSECONDS, SampleClock
+from bahrs_driver.clock import ClockOptions, Instant, NANOSECONDS, SampleClock, Stamped
 from bahrs_driver.protocol.bahrs import Inertial
 from bahrs_driver.protocol.framing import Frame
 from clock_simulation import BYTE_TIME, Case, ORIGIN, Simulation
@@ -97,10 +97,14 @@ def ours(case: Case, seed: int,
     stamps = []
     for now, received, messages in simulation.reads():
         clock.read(now, received)
-        stamps += [_judged(simulation, now, frame, stamp)
-                   for message, frame, stamp in clock.stamp(messages)
-                   if isinstance(message, Inertial)]
+        stamps += judged_stamps(simulation, now, clock.stamp(messages))
     return stamps, clock
+
+
+def judged_stamps(simulation: Simulation, now: Instant, stamped: list[Stamped]) -> list[Stamp]:
+    """Return the stamps of inertial samples that a read gave, with their errors."""
+    return [_judged(simulation, now, frame, stamp)
+            for message, frame, stamp in stamped if isinstance(message, Inertial)]
 
 
 def _judged(simulation: Simulation, now: Any, frame: Frame, stamp: int) -> Stamp:

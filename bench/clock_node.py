@@ -48,9 +48,14 @@ def run(timer: str, source: str) -> Iterator[float]:
         truths = [line for line in lines if line.get('message') == 'inertial']
     times = [truth['host_unix_ns'] for truth in truths]
     stamps = [item.header.stamp.sec * 10 ** 9 + item.header.stamp.nanosec for item in heard]
-    begin = times[0] + SETTLED * 1e9
+    yield from errors_of(stamps, times, SETTLED)
+
+
+def errors_of(stamps: list[int], times: list[int], settled: float = 0.0) -> Iterator[float]:
+    """Yield the errors in us of stamps in ns, from some seconds after the first truth on."""
+    begin = times[0] + settled * 1e9
     for stamp, time_ns in zip(stamps, times[_missed(stamps, times):]):
-        if time_ns > begin:
+        if time_ns >= begin:
             yield (stamp - time_ns) / 1000
 
 

@@ -1,0 +1,84 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Stamps of a flight, and those that `bahrs convert` makes of its raw bytes, against the truth."""
+
+from collections.abc import Iterator
+import json
+import os
+from pathlib import Path
+import tempfile
+
+from bahrs_driver.clock import SampleClock
+from bahrs_driver.clock.smoother import Survey
+from bahrs_driver.clock.tracker import Tracker
+from clock_methods import judged_stamps, Stamp
+from clock_node import errors_of
+from clock_simulation import BYTE_TIME, Case, Read, Simulation
+from clock_table import figures
+from processes import driver, running, wait_for
+from rosbags.rosbag2 import Reader
+from rosbags.typesys import get_typestore, Stores
+
+CONVERTED_HEADER = ('latency timer', 'stamps of', 'stamps', 'p50', 'p99', 'max', 'wander p99',
+                    'wander max')
+TIMERS = ('16', 'packets', '1', 'none')
+SECONDS = 20
+SEED = 102
+TOPIC = '/imu/data_raw'
+LONG = 120.0
+
+
+def smoothed(case: Case, seed: int) -> list[Stamp]:
+    """Return what a conversion makes of a simulated case."""
+    simulation, survey = Simulation(case, seed), Survey()
+    reads = list(simulation.reads())
+    _stamped(simulation, reads, survey)
+    return _stamped(simulation, reads, survey.lines())
+
+
+def _stamped(simulation: Simulation, reads: list[Read], tracker: Tracker) -> list[Stamp]:
+    clock, stamps = SampleClock(tracker=tracker), []
+    clock.begin(BYTE_TIME)
+    for now, received, messages in reads:
+        clock.read(now, received)
+        stamps += judged_stamps(simulation, now, clock.stamp(messages))
+    return stamps
+
+
+def through_the_node() -> Iterator[tuple[object, ...]]:
+    """Yield rows: each adapter, live and converted, the first seconds included."""
+    os.environ['ROS_DOMAIN_ID'] = '101'       # tests are below
+    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+    for timer in TIMERS:
+        for of, errors in _run(timer):
+            yield timer, of, str(len(errors)), *figures(errors)
+
+
+def _run(timer: str) -> Iterator[tuple[str, list[float]]]:
+    with tempfile.TemporaryDirectory() as folder:
+        port, truth_file, live, made = (f'{folder}/{name}' for name in (
+            'port', 'truth.jsonl', 'live', 'made'))
+        with running('bahrs', 'emulate', '--link', port, '--wait', '--duration', str(SECONDS),
+                     '--truth', truth_file, '--latency-timer', timer, '--seed', str(SEED),
+                     '--drift-ppm', '30', '--wander-ppm', '0.02') as device:
+            assert wait_for(lambda: device.lines)
+            with driver(port, publish__raw='true') as node, running(
+                    'bahrs', 'record', '-o', live) as recorder:
+                device.wait(SECONDS + LONG)
+                assert wait_for(lambda: 'is gone' in node.text, LONG)
+                assert recorder.end() == 0
+        with running('bahrs', 'convert', live, made) as converter:
+            assert converter.wait(LONG) == 0
+        lines = map(json.loads, Path(truth_file).read_text().splitlines())
+        times = [line['host_unix_ns'] for line in lines if line.get('message') == 'inertial']
+        for of, bag in (('the flight', live), ('bahrs convert', made)):
+            yield of, list(errors_of(_stamps(Path(bag)), times))
+
+
+def _stamps(bag: Path) -> list[int]:
+    types = get_typestore(Stores.ROS2_JAZZY)
+    with Reader(bag) as reader:
+        wanted = [item for item in reader.connections if item.topic == TOPIC]
+        found = [types.deserialize_cdr(data, item.msgtype).header.stamp
+                 for item, _, data in reader.messages(wanted)]
+    return [stamp.sec * 10 ** 9 + stamp.nanosec for stamp in found]
