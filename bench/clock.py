@@ -175,8 +175,8 @@ def report(node: bool) -> Iterator[str]:
            'known counts at the time of the read that released it.')
     yield table(('adapter', 'first 2 s', 'then, to 20 s', 'first second after a restart',
                  'then'), settling())
-    yield ('## Converted afterwards\n\nThe same ten minutes live, and by `bahrs convert` with time '
-           'known from both sides; from the first stamp on, the time of settling included.')
+    yield ('## Converted afterwards\n\nThe same ten minutes live, and by `bahrs convert` with '
+           'time known from both sides; from the first stamp on, settling included.')
     yield table(HEADER, converted())
     yield '## Cost\n\nMicroseconds a message, and the floor in the same run.'
     yield table(('adapter', 'messages a read', 'floor', 'clock', 'clock / floor'), cost())
