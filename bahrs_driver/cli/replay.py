@@ -3,7 +3,7 @@
 """`bahrs replay`: a recorded stream of bytes, on a port, as the device sent it."""
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 import json
 import sys
 import time
@@ -16,11 +16,13 @@ from bahrs_driver.emulator.faults import Faults, NAMES as FAULTS, parse_fault
 from bahrs_driver.emulator.pacing import paced, Piece, through
 from bahrs_driver.emulator.pty_port import PtyPort
 from bahrs_driver.protocol.bahrs_frames import BahrsFormat
-from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.protocol.framing import FrameFormat, Framer
+from bahrs_driver.protocol.titan_frames import AnswerFormat
 from bahrs_driver.recording.capture import Capture, PIECE, read_capture
 from bahrs_driver.recording.errors import CaptureError
 
 BAUD_RATE = 115200
+FORMATS: dict[str, Callable[[], FrameFormat]] = {'bahrs': BahrsFormat, 'titan_m': AnswerFormat}
 
 _EXAMPLES = """examples:
   bahrs replay flight.bin --link /tmp/bahrs       bytes, at the rates of the device
@@ -52,6 +54,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='topic of the bytes, for a bag with several')
     parser.add_argument('--json', action='store_true',
                         help='print what was played as a JSON object at the end')
+    parser.add_argument('--sensor', choices=tuple(FORMATS),
+                        help='whose frames faults are put on (default: as the bag says, or '
+                             'bahrs)')
     group = parser.add_argument_group('cable')
     group.add_argument('--fault', type=checked(parse_fault), action='append', default=[],
                        metavar='NAME=RATE', help='damage what is sent, see below; again for each')
@@ -71,6 +76,8 @@ def run(options: argparse.Namespace) -> int:
         capture = None
     else:
         content, capture = b'', _capture(options)
+        options.sensor = options.sensor or capture.sensor
+    options.sensor = options.sensor or 'bahrs'
     faults = Faults(options.seed, dict(options.fault))
     try:
         port = PtyPort(options.link)
@@ -120,7 +127,7 @@ def _over_cable(options: argparse.Namespace, pieces: Iterator[Piece],
     if not options.fault and options.latency_timer is None:
         return pieces
     cable = Cable(BAUD_RATE, options.latency_timer or AT_ONCE)
-    return through(pieces, cable, faults, Framer(BahrsFormat()))
+    return through(pieces, cable, faults, Framer(FORMATS[options.sensor]()))
 
 
 def _play(pieces: Iterator[Piece], port: PtyPort, rate: float) -> int:
