@@ -147,7 +147,9 @@ class Page:
         """Return the lines that tell of each signal what it is worth."""
         notice = self._watch.message('integrity')
         if notice is None:
-            return [Text('no integrity heard', 'dim')]
+            without = self._watch.heard and not self._watch.offered('integrity')
+            return [Text('this device tells no integrity' if without else 'no integrity heard',
+                         'dim')]
         stale = self._watch.data_age > DATA_TIMEOUT
         lines = [Text()]
         for name, group in groupby(notice.status, key=lambda status: _quantity(status.name)):

@@ -86,8 +86,8 @@ class Batch:
 
 def table(layout: Layout[Any], payloads: bytes, offsets: Array) -> Array:
     """Return messages of one layout from their payloads, one after the other."""
-    wire = np.dtype([(name, *_wire_type(row, layout.byte_order)) for name, row in layout.rows])
-    raw = np.frombuffer(payloads, wire, len(offsets)) if wire.itemsize \
+    wire = _wire_type(layout)
+    raw = np.frombuffer(payloads, wire, len(offsets)) if layout.size \
         else np.empty(len(offsets), wire)
     columns = [(name, _column(row, raw[name])) for name, row in layout.rows]
     result = np.empty(len(offsets), [('offset', np.int64)] + [
@@ -98,12 +98,18 @@ def table(layout: Layout[Any], payloads: bytes, offsets: Array) -> Array:
     return result
 
 
-def _wire_type(row: Row, byte_order: str) -> tuple[Any, ...]:
-    """Return the numpy type of a field on the wire, and its shape."""
-    if row.code.endswith('s'):
-        return (f'V{row.code[:-1]}',)
-    kind = np.dtype(byte_order + row.code)
-    return (kind,) if row.count == 1 else (kind, (row.count,))
+def _wire_type(layout: Layout[Any]) -> np.dtype[Any]:
+    """Return how a payload lies on the wire."""
+    kinds: list[Any] = []
+    places, place = [], 0
+    for _, row in layout.rows:
+        kind = np.dtype(f'V{row.code[:-1]}' if row.code.endswith('s')
+                        else layout.byte_order + row.code)
+        kinds.append(kind if row.count == 1 else (kind, (row.count,)))
+        places.append(place)
+        place += kind.itemsize * row.count + row.reserved
+    return np.dtype({'names': [name for name, _ in layout.rows], 'formats': kinds,
+                     'offsets': places, 'itemsize': layout.size})
 
 
 def _column(row: Row, raw: Array) -> Array:
@@ -139,4 +145,5 @@ def _decoded(row: Row, values: Array) -> Array:
     if isinstance(sample, tuple):
         assert all(isinstance(part, IntEnum) for part in sample)
         return np.array(found, np.uint8).reshape(-1, len(sample))
-    return np.array([np.nan if item is None else item for item in found], float)
+    kind = bool if isinstance(sample, bool) else float
+    return np.array([np.nan if item is None else item for item in found], kind)

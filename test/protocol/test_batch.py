@@ -14,11 +14,12 @@ from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.protocol.layout import (
     integer, integers, Layout, real, reals, scaled, text, Vector, vector, wire,
 )
+from bahrs_driver.protocol.titan_frames import LAYOUTS as TITAN_LAYOUTS
 from hypothesis import given, settings, strategies as st
 import numpy as np
 from shared_files import shared_file
 
-LAYOUTS = list(layouts().values()) + list(layouts('int16').values())
+LAYOUTS = [*layouts().values(), *layouts('int16').values(), *TITAN_LAYOUTS.values()]
 
 
 @dataclass(frozen=True)
