@@ -26,7 +26,7 @@ MAY_IMPORT = {
     'requester': {'link', 'clock', 'protocol'},
     'nvm_services': {'nvm_reader', 'whole_file', 'protocol'},
     'sensors': {'clock', 'convert', 'diagnostics', 'nvm_reader', 'receiver', 'requester',
-                'link', 'protocol'},
+                'sensors', 'link', 'protocol'},
     'diagnostics': {'clock', 'diagnostics', 'receiver', 'link', 'protocol'},
     'recording': {'recording', 'sensors', 'convert', 'clock', 'protocol', 'whole_file'},
     'report': {'report', 'recording', 'protocol'},
