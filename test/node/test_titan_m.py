@@ -69,7 +69,9 @@ def test_all_topics_in_another_process(cable, payload, checksum):
             ear.wait(topic, 3, 60)
         assert ear.heard['fix'][-1].longitude == pytest.approx(9.0)
         assert ear.heard['velocity'][-1].twist.twist.linear.y == 0.5
-        assert ear.heard['imu/data'][-1].linear_acceleration.x == 0.5
+        # Not where a slow machine let more than 25 ms go by between the two answers.
+        assert wait_for(lambda: any(imu.linear_acceleration.x == 0.5
+                                    for imu in ear.heard['imu/data']), 60)
         assert ear.heard['imu/mag'][-1].magnetic_field.z == pytest.approx(-4e-5, abs=4e-9)
         assert ear.heard['differential_pressure'][-1].fluid_pressure == 12.5
         stamps = [message.header.stamp for message in ear.heard['velocity']]
