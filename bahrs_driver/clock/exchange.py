@@ -80,8 +80,9 @@ class ExchangeClock:
 
     def state(self) -> TimeState:
         """Return how stamps are made at present."""
+        in_use = 'arrival' if self._arrivals and not self._halves else 'exchange'
         return TimeState(
-            'exchange', 'exchange', settled=bool(self._halves),
+            'exchange', in_use, settled=bool(self._halves),
             spread_us=median_low(self._halves) / MICROSECOND if self._halves else 0.0,
             arrival_stamps=self._arrivals, host_steps=self._host.steps,
             last_host_step_s=self._host.last_step_ns / NANOSECONDS,

@@ -40,6 +40,8 @@ class TimeTask:
             return Verdict(WARN, self._notice)
         if state.source == 'arrival':
             return Verdict(OK, 'Stamps are arrival times, as time.source says')
+        if state.source == 'exchange' and state.in_use == 'arrival':
+            return Verdict(OK, 'Stamps are arrival times: nobody knows when it was asked')
         if state.source == 'exchange':
             return Verdict(OK, 'Stamps are the middle of request and answer, within '
                                f'{state.spread_us / 1000:.1f} ms'

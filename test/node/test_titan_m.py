@@ -141,7 +141,7 @@ def test_without_rates_it_listens(cable):
             cable.write(b''.join(answers().values()))
             return all(ear.heard[topic] for topic in TOPICS)
         assert wait_for(heard, 60)
-        assert asked == []
+        assert asked == [] and says(ear, 'Time', OK, 'Stamps are arrival times')
 
 
 @pytest.mark.parametrize('words, sentence', [
