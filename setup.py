@@ -18,7 +18,7 @@ setup(
         (f'share/{PACKAGE}/config', glob('config/*')),
         (f'share/{PACKAGE}/launch', glob('launch/*')),
     ],
-    install_requires=['numpy', 'pyproj', 'pyserial', 'rich', 'setuptools'],
+    install_requires=['numpy', 'pyproj', 'pyserial', 'pyyaml', 'rich', 'setuptools'],
     extras_require={'tools': ['matplotlib>=3.5', 'mcap>=1.6', 'rosbags>=0.11']},
     python_requires='>=3.10',
     zip_safe=True,

@@ -21,7 +21,7 @@ from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.recording.outputs import BagOutput, CsvOutput
 from bahrs_driver.sensors import LISTENING, SENSORS
 from rich.console import Console
-from rich.progress import Progress
+from rich.progress import Progress, TaskID
 import yaml
 
 
@@ -97,14 +97,12 @@ def _convert(options: argparse.Namespace, conversion: Conversion, capture: Captu
         BagOutput(folder, Path(options.output).name, options.namespace)
     with contextlib.closing(output), Progress(
             console=Console(stderr=True), transient=True) as bar:
-        task, now = bar.add_task('', total=capture.size), ''
+        tasks: dict[str, TaskID] = {}
 
         def progress(what: str) -> None:
-            nonlocal now
-            if what != now:
-                now = what
-                bar.update(task, description=what)
-            bar.update(task, completed=capture.done)
+            if what not in tasks:
+                tasks[what] = bar.add_task(what, total=capture.size)
+            bar.update(tasks[what], completed=capture.done)
 
         return conversion.run(output, progress)
 

@@ -39,7 +39,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
         'Record all topics of the driver into a rosbag2 directory (MCAP), those that appear\n'
-        'later, too. Whatever ends it, all but the last second can be read.')
+        'later, too. Whatever ends it, all but the last second can be read. Ctrl-C is the usual\n'
+        'way, with exit status 0.')
     parser.epilog = _EXAMPLES
     parser.add_argument('-o', '--output', metavar='DIRECTORY',
                         help='bag to make (default: bahrs_ and the time)')

@@ -13,7 +13,7 @@ from emulated import emissions, make_device
 from mcap.reader import make_reader
 from processes import driver, running, wait_for
 import pytest
-from rosbags.rosbag2 import Reader
+from rosbags.rosbag2 import Reader, ReaderError
 from rosbags.typesys import get_typestore, Stores
 
 LONG = 60.0
@@ -58,6 +58,16 @@ def decoded(topics, topic, items):
     return stamps, messages
 
 
+def listened(folder):
+    """Return whether a bag that is being written has all topics, and a message."""
+    try:
+        with Reader(folder) as reader:
+            names = {connection.topic for connection in reader.connections}
+            return {f'/{topic}' for topic in (*TOPICS, 'raw')} <= names and reader.message_count
+    except (FileNotFoundError, ReaderError):
+        return False
+
+
 @pytest.fixture
 def byte_file(tmp_path):
     """Give a file of five seconds of a device."""
@@ -70,9 +80,12 @@ def test_what_the_node_published_is_made_again(tmp_path):
     """Every topic, with equal values in equal number and nearly equal stamps."""
     live, made = tmp_path / 'live', tmp_path / 'made'
     with PtyPort() as port, driver(port.path, publish__raw=True), running(
-            'bahrs', 'record', '-o', str(live)) as recorder, Device(port):
-        assert wait_for(lambda: sum(
-            file.stat().st_size for file in live.glob('*.mcap')) > 80_000, LONG)
+            'bahrs', 'record', '-o', str(live)) as recorder:
+        # Data begins when the recorder listens to all topics, as its first message shows.
+        assert wait_for(lambda: listened(live), LONG)
+        with Device(port):
+            assert wait_for(lambda: sum(
+                file.stat().st_size for file in live.glob('*.mcap')) > 80_000, LONG)
         assert recorder.end() == 0
     assert convert(live, made)[0] == 0
     (topics, before), (made_topics, after) = read(live), read(made)
