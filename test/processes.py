@@ -18,6 +18,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.task import Future
 
 BIN = Path(sys.executable).parent
 MODULES = {'bahrs': 'bahrs_driver.cli.main', 'driver_node': 'bahrs_driver.node'}
@@ -118,12 +119,13 @@ class Ear:
             self.node.create_subscription(kind, topic, self.heard[topic].append, profile)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
+        self._ended = Future()
         self._thread = threading.Thread(target=self._spin, daemon=True)
         self._thread.start()
 
     def _spin(self) -> None:
         with contextlib.suppress(ExternalShutdownException):
-            self._executor.spin()
+            self._executor.spin_until_future_complete(self._ended)
 
     def wait(self, topic: str, count: int = 1, timeout: float = PATIENCE) -> list[Any]:
         """Wait until a topic has brought so many messages, and return all of them."""
@@ -133,8 +135,9 @@ class Ear:
 
     def close(self) -> None:
         """Stop listening."""
-        self._executor.shutdown()
+        self._ended.set_result(None)
         self._thread.join()
+        self._executor.shutdown()
         self.node.destroy_node()
         rclpy.shutdown(context=self._context)
 

@@ -25,6 +25,7 @@ WRITE_PERIOD = 0.25             # s; with HOLD the most that a kill costs
 HOLD = 0.1                      # s in which a message may be overtaken
 SYNC_PERIOD = 1.0               # s; the most that a loss of power costs, with what the disk holds
 PATIENCE = 5.0                  # s until the user is told that nothing is there to record
+FIRST_WAIT = 30.0       # s for the first message, if there is a duration
 MEGABYTE = 1_000_000
 
 _EXAMPLES = """examples:
@@ -52,7 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--max-duration', type=positive, default=math.inf, metavar='SECONDS',
                         help='begin another file after this time (default: never)')
     parser.add_argument('--duration', type=positive, default=math.inf, metavar='SECONDS',
-                        help='end after this time (default: at Ctrl-C)')
+                        help='end after this time of data, or if none comes for '
+                             f'{FIRST_WAIT:g} s (default: at Ctrl-C)')
     parser.add_argument('--node', default='bahrs_driver', metavar='NAME',
                         help='name of the driver (default: %(default)s)')
     parser.add_argument('--namespace', default='', metavar='NAME',
@@ -89,13 +91,15 @@ def _record(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
             ended: threading.Event) -> None:
     """Write what comes, until ended."""
     begin = file_begin = synced = time.monotonic()
-    end, told = begin + options.duration, ''
+    end, told, empty = begin + max(options.duration, FIRST_WAIT), '', True
     console = Console(stderr=True)
     try:
         with console.status(f'recording into {bag.folder}') as status:
             while not ended.wait(min(WRITE_PERIOD, max(0.0, end - time.monotonic()))):
                 now = time.monotonic()
                 _write(recorder, bag, time.time_ns() - round(HOLD * NANOSECONDS))
+                if empty and bag.count:
+                    empty, end = False, now + options.duration
                 if now >= synced + SYNC_PERIOD:
                     bag.sync()
                     synced = now

@@ -23,6 +23,7 @@ from rclpy.qos import (
     DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy,
 )
 from rclpy.serialization import deserialize_message
+from rclpy.task import Future
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from std_msgs.msg import UInt8MultiArray
 
@@ -62,6 +63,7 @@ class Recorder:
         self._node.create_timer(SEARCH_PERIOD, self._search)
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self._node)
+        self._stopped = Future()
         self._thread = threading.Thread(target=self._spin, name='recorder')
 
     def start(self) -> None:
@@ -70,8 +72,10 @@ class Recorder:
 
     def stop(self) -> None:
         """Listen no more. What came by now can still be drained."""
-        self._executor.shutdown()
+        # Not by shutdown(), which takes away what spinning still uses.
+        self._stopped.set_result(None)
         self._thread.join()
+        self._executor.shutdown()
         self._node.destroy_node()
 
     def new_topics(self) -> list[Topic]:
@@ -97,7 +101,7 @@ class Recorder:
 
     def _spin(self) -> None:
         try:
-            self._executor.spin()
+            self._executor.spin_until_future_complete(self._stopped)
         except ExternalShutdownException:
             pass
 
