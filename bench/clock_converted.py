@@ -4,7 +4,6 @@
 
 from collections.abc import Iterator
 import json
-import os
 from pathlib import Path
 import tempfile
 
@@ -15,6 +14,7 @@ from clock_methods import judged_stamps, Stamp
 from clock_node import errors_of
 from clock_simulation import BYTE_TIME, Case, Read, Simulation
 from clock_table import figures
+from domain import use_own_domain
 from processes import driver, running, wait_for
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import get_typestore, Stores
@@ -47,8 +47,7 @@ def _stamped(simulation: Simulation, reads: list[Read], tracker: Tracker) -> lis
 
 def through_the_node() -> Iterator[tuple[object, ...]]:
     """Yield rows: each adapter, live and converted, the first seconds included."""
-    os.environ['ROS_DOMAIN_ID'] = '101'       # tests are below
-    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+    use_own_domain()
     for timer in TIMERS:
         for of, errors in _run(timer):
             yield timer, of, str(len(errors)), *figures(errors)

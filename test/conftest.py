@@ -2,31 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """What holds for all tests: a ROS domain of their own, and this machine only."""
 
-import contextlib
-import fcntl
-import os
-from pathlib import Path
 import signal
-import tempfile
 
-DOMAINS = range(1, 102)         # those above collide with ports that the system gives away
+from domain import use_own_domain
 
-
-def claim_domain() -> int:
-    """Return a domain that no other run of tests on this machine has, until this one ends."""
-    folder = Path(tempfile.gettempdir()) / f'bahrs_driver_domains_{os.getuid()}'
-    folder.mkdir(exist_ok=True)
-    for number in DOMAINS:
-        claim = os.open(folder / str(number), os.O_CREAT | os.O_RDWR | os.O_CLOEXEC)
-        with contextlib.suppress(BlockingIOError):
-            fcntl.flock(claim, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            return number
-        os.close(claim)
-    raise RuntimeError(f'all {len(DOMAINS)} domains are taken, see {folder}')
-
-
-os.environ['ROS_DOMAIN_ID'] = str(claim_domain())
-os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+use_own_domain()
 
 # A shell makes what it runs in the background deaf to SIGINT, and its children with it.
 signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -1,0 +1,30 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""A ROS domain for one run of tests or of a benchmark."""
+
+import contextlib
+import fcntl
+import os
+from pathlib import Path
+import tempfile
+
+DOMAINS = range(1, 102)         # those above collide with ports that the system gives away
+
+
+def use_own_domain() -> None:
+    """Keep ROS to this machine, and to a domain that nobody else uses on it."""
+    os.environ['ROS_DOMAIN_ID'] = str(claim_domain())
+    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+
+
+def claim_domain() -> int:
+    """Return a domain that no other run of tests on this machine has, until this one ends."""
+    folder = Path(tempfile.gettempdir()) / f'bahrs_driver_domains_{os.getuid()}'
+    folder.mkdir(exist_ok=True)
+    for number in DOMAINS:
+        claim = os.open(folder / str(number), os.O_CREAT | os.O_RDWR | os.O_CLOEXEC)
+        with contextlib.suppress(BlockingIOError):
+            fcntl.flock(claim, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return number
+        os.close(claim)
+    raise RuntimeError(f'all {len(DOMAINS)} domains are taken, see {folder}')
