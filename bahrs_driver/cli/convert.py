@@ -76,7 +76,7 @@ def run(options: argparse.Namespace) -> int:
             raise CommandError(f'{options.input} cannot be converted: answers of a {name} have no '
                                'times; record the topic raw, or look at them with bahrs decode')
         settings = _settings(options, name)
-        conversion = Conversion(capture, name, lambda: SENSORS[name](settings, Link(
+        conversion = Conversion(capture, settings, lambda: SENSORS[name](settings, Link(
             settings['port'], settings['baud_rate'])), options.start)
         shutil.rmtree(half_done, ignore_errors=True)
         outcome = _convert(options, conversion, capture, half_done)

@@ -14,10 +14,13 @@ from typing import Any, NamedTuple, Protocol
 from bahrs_driver.clock import Clock, Instant, SampleClock, Stamped
 from bahrs_driver.clock.smoother import SmoothedLines, Survey
 from bahrs_driver.convert import raw
+from bahrs_driver.recording import flight_health
 from bahrs_driver.recording.byte_times import DeviceTimed
 from bahrs_driver.recording.capture import Capture, Chunk
+from bahrs_driver.recording.flight_health import FlightHealth
 from bahrs_driver.recording.origin import Origin
 from bahrs_driver.sensors import Sensor
+from diagnostic_msgs.msg import DiagnosticArray
 from std_msgs.msg import UInt8MultiArray
 
 HOLD = 10_000_000_000           # ns that a message may come late in the stream
@@ -47,16 +50,16 @@ class Outcome(NamedTuple):
 class Conversion:
     """Converts one capture."""
 
-    def __init__(self, capture: Capture, sensor_name: str, make_sensor: MakeSensor,
+    def __init__(self, capture: Capture, settings: Mapping[str, Any], make_sensor: MakeSensor,
                  start_ns: int | None = None) -> None:
         """
-        Take the capture and how to make the parts of its sensor.
+        Take the capture, the parameters of the driver, and how to make the parts of its sensor.
 
         start_ns is the ROS time of the first time message of a capture without times; without it
         stamps are device time.
         """
         self._given = capture
-        self._name = sensor_name
+        self._settings = settings
         self._make_sensor = make_sensor
         self._start_ns = start_ns
         self._heap: list[tuple[int, int, str, Any]] = []
@@ -72,16 +75,20 @@ class Conversion:
         topics = dict(sensor.topics)
         if self._given.timed:
             topics[raw.TOPIC] = UInt8MultiArray
+        topics[flight_health.TOPIC] = DiagnosticArray
+        health = FlightHealth(sensor, clock, self._settings)
         output.begin(topics, {topic for topic in topics if topic in sensor.latched})
         for chunk, batch, ended in _play(capture, sensor, clock):
             progress('converting')
             now = chunk.read_at or 0
+            self._tell(health.before(chunk))
             for message, _, stamp_ns in batch:
-                self._take(sensor.converter.convert(message, stamp_ns), stamp_ns)
+                self._take(sensor.converter.convert(message, stamp_ns), stamp_ns, health.counts)
+            self._tell(health.after(chunk, batch))
             if ended:
-                self._take(sensor.converter.lost(now), now)
+                self._take(sensor.converter.lost(now), now, health.counts)
             elif self._given.timed and chunk.data:
-                self._take(iter([self._raw(chunk)]), now)
+                self._hold(now, *self._raw(chunk))
             self._release(output, now - HOLD)
         self._release(output, None)
         counters = sensor.framer.counters
@@ -103,14 +110,23 @@ class Conversion:
 
     def _raw(self, chunk: Chunk) -> tuple[str, UInt8MultiArray]:
         read_at = chunk.read_at or 0
-        origin = Origin(self._name, chunk.opening, self._given.byte_ns or 0, read_at,
+        origin = Origin(self._settings['sensor'], chunk.opening, self._given.byte_ns or 0, read_at,
                         read_at if chunk.raw_at is None else chunk.raw_at)
         return raw.TOPIC, raw.message(chunk.data, origin.label())
 
-    def _take(self, outgoing: Iterator[tuple[str, Any]], time_ns: int) -> None:
+    def _take(self, outgoing: Iterator[tuple[str, Any]], time_ns: int,
+              counts: dict[str, int]) -> None:
         for topic, message in outgoing:
-            heapq.heappush(self._heap, (time_ns, self._count, topic, message))
-            self._count += 1
+            counts[topic] += 1
+            self._hold(time_ns, topic, message)
+
+    def _tell(self, reports: Iterator[tuple[int, DiagnosticArray]]) -> None:
+        for time_ns, array in reports:
+            self._hold(time_ns, flight_health.TOPIC, array)
+
+    def _hold(self, time_ns: int, topic: str, message: Any) -> None:
+        heapq.heappush(self._heap, (time_ns, self._count, topic, message))
+        self._count += 1
 
     def _release(self, output: Output, until: int | None) -> None:
         heap = self._heap

@@ -26,14 +26,17 @@ class BagOutput:
 
     def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
         """Take all topics, and those of which late joiners get the last message."""
-        self._bag.add_topics(Topic(self._prefix + topic, type_name(kind), (profile(
+        self._bag.add_topics(Topic(self._name(topic), type_name(kind), (profile(
             'keep_last', QUEUE_DEPTH, 'reliable',
             'transient_local' if topic in latched else 'volatile'),))
             for topic, kind in topics.items())
 
     def write(self, topic: str, time_ns: int, message: Any) -> None:
         """Take a message and its ROS time."""
-        self._bag.write(self._prefix + topic, time_ns, serialized(message))
+        self._bag.write(self._name(topic), time_ns, serialized(message))
+
+    def _name(self, topic: str) -> str:
+        return topic if topic.startswith('/') else self._prefix + topic
 
     def close(self) -> None:
         """End the bag."""

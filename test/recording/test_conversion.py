@@ -56,16 +56,16 @@ class Pieces(Capture):
         return iter(self._chunks)
 
 
-def made(sensor='bahrs', **changes):
+def made(settings):
     """Return the parts of a sensor."""
-    settings = {**defaults(), **LISTENING.get(sensor, {}), **changes}
-    return SENSORS[sensor](settings, Link('/dev/null', 115200))
+    return SENSORS[settings['sensor']](settings, Link('/dev/null', 115200))
 
 
 def converted(capture, start=None, sensor='bahrs', **changes):
     """Convert a capture; return what came and the outcome."""
+    settings = {**defaults(), **LISTENING.get(sensor, {}), 'sensor': sensor, **changes}
     kept = Kept()
-    outcome = Conversion(capture, sensor, lambda: made(sensor, **changes), start).run(
+    outcome = Conversion(capture, settings, lambda: made(settings), start).run(
         kept, lambda what: None)
     return kept, outcome
 
@@ -98,13 +98,38 @@ def test_stamps_are_near_the_truth_from_the_first_on(tmp_path):
     errors = [stamp - true for stamp, true in zip(stamps(kept), truth)]
     assert len(errors) > 1400
     assert max(errors) - min(errors) < 60_000 and abs(min(errors)) < 100_000
-    assert set(kept.messages) == {*TOPICS, 'raw'} and kept.latched == {'integrity'}
+    assert set(kept.messages) == {*TOPICS, 'raw', '/diagnostics'}
+    assert kept.latched == {'integrity'}
     assert all(kept.messages[topic] for topic in TOPICS if topic != 'sync_pulse')
     assert kept.times == sorted(kept.times)
     assert b''.join(message.data.tobytes() for _, message in kept.messages['raw']) == b''.join(
         chunk.data for chunk in chunks)
     assert [time for time, _ in kept.messages['imu/data_raw']] == stamps(kept)
     assert outcome.messages == len(kept.times) and outcome.skipped_bytes < 28
+
+
+def test_diagnostics_tell_of_the_flight(tmp_path):
+    """At the flight's own times: what was damaged, when nothing came, and that it is well again."""
+    chunks, _ = flight(14.0)
+    damaged = [chunk._replace(data=chunk.data[:-3] + b'xyz')
+               if 4 * S < chunk.read_at - ORIGIN < 4.5 * S else chunk for chunk in chunks
+               if not 8 * S < chunk.read_at - ORIGIN < 10 * S]
+    kept, _ = converted(Pieces(damaged, tmp_path))
+    reports = [(time - ORIGIN, {status.name: status for status in array.status})
+               for time, array in kept.messages['/diagnostics']]
+
+    def said(task, begin, end):
+        return {(status.level[0], status.message) for time, statuses in reports
+                if begin * S <= time < end * S
+                for status in [statuses[f'bahrs_driver: {task}']]}
+
+    assert said('Framing', 2.5, 4) == {(0, 'All frames intact')}
+    assert any(level and 'damaged' in text for level, text in said('Framing', 4, 5.5))
+    assert any(level == 3 for level, _ in said('Rates', 9, 10))
+    assert (0, 'All messages at their rates') in said('Rates', 12, 14.1)
+    assert {name for _, statuses in reports for name in statuses} == {
+        f'bahrs_driver: {task}' for task in (
+            'Framing', 'Time', 'Rates', 'Integrity', 'Device', 'Publishing')}
 
 
 def test_a_host_that_was_set(tmp_path):
@@ -181,7 +206,8 @@ def test_answers_of_which_the_requests_are_not_known(tmp_path):
     chunks = [Chunk(data, ORIGIN + round(time * S), round(time * S))
               for time, data in polled.chunks]
     kept, outcome = converted(Pieces(chunks, tmp_path), sensor='titan_m')
-    assert set(kept.messages) == {*TITAN_TOPICS, 'raw'} and all(kept.messages.values())
+    assert set(kept.messages) == {*TITAN_TOPICS, 'raw', '/diagnostics'}
+    assert all(kept.messages.values())
     assert outcome.frames == len(polled.received) and outcome.skipped_bytes == 0
     truth = [ORIGIN + round(sent.emission.time * S) for sent in polled.sent
              if sent.emission.name == 'sensors']
