@@ -195,8 +195,9 @@ class TitanConverter:
                 yield 'velocity', self._twist(message.velocity_ned, stamp_ns)
         self._gps_text = f"fix in zone {message.zone} {'north' if message.northern else 'south'}" \
             if place else 'no fix'
-        time = self._gps_time.microseconds(message.gps_time_s)
-        if time and message.gps_time_s:
+        # A time of 0 is one that is not known, and says nothing about the week.
+        time = self._gps_time.microseconds(message.gps_time_s) if message.gps_time_s else None
+        if time is not None:
             yield 'time_reference', ros.time_reference(head, time, TIME_SOURCE)
 
     def _twist(self, velocity: Vector, stamp_ns: int) -> TwistWithCovarianceStamped:

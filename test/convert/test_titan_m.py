@@ -178,6 +178,15 @@ def test_utc_if_the_week_is_known():
     assert reference.time_ref.sec == 315_964_800 + 2300 * 604_800 + 1000 - 18
 
 
+def test_the_week_stays_when_the_gps_time_is_lost():
+    """The time is 0 without a fix; that is not the end of a week."""
+    parts = converter(gps_week=2300)
+    before, unknown, after = (
+        told(parts, replace(GPS, gps_time_s=time)) for time in (500_000.0, 0.0, 500_010.0))
+    assert 'time_reference' not in unknown
+    assert after['time_reference'].time_ref.sec == before['time_reference'].time_ref.sec + 10
+
+
 def test_what_is_no_number_is_not_reported():
     """Neither an attitude, nor a velocity, nor a force."""
     parts = converter()
