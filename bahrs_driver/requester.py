@@ -18,6 +18,8 @@ from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.link import Link, LinkError, now
 from bahrs_driver.protocol.framing import Frame
 
+LONGEST_SLEEP = 3600.0      # s; longer ones are beyond what a lock can wait for
+
 
 class Conversation(Protocol):
     """What to ask a device, and when. Times are of the host's raw clock, in ns."""
@@ -106,7 +108,8 @@ class Requester:
                     return data
                 present = _raw_time()
                 due = self._conversation.due(present)
-                self._changed.wait(None if due is None else max(0, due - present) / NANOSECONDS)
+                self._changed.wait(None if due is None else min(
+                    LONGEST_SLEEP, max(0, due - present) / NANOSECONDS))
             return b''
 
 

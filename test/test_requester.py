@@ -107,6 +107,21 @@ def test_it_sleeps_when_there_is_nothing_to_do(asking):
     assert script.sends < 10
 
 
+def test_it_sleeps_however_far_off_its_next_turn_is(asking):
+    """A rate may be so low that the time to the next turn is more than a lock takes."""
+    line, script, requester = asking
+    requester.opened()
+    line.written.get(timeout=LONG)
+    sends = script.sends
+    script.receive = lambda frame, now: setattr(script, 'next', now + 10 ** 22)
+    requester.decode(FRAME)
+    deadline = time.monotonic() + LONG
+    while script.sends < sends + 2 and time.monotonic() < deadline:
+        time.sleep(0.001)
+    requester.opened()
+    assert line.written.get(timeout=LONG) == b'request'
+
+
 def test_a_line_that_is_gone_does_not_end_it(asking):
     """The reader tells of it; later requests go out."""
     line, script, requester = asking
