@@ -14,6 +14,8 @@ TESTS = {
     'Rates': 'Rates right',
     'Integrity': 'Integrity safe',
     'Time': 'Clock settled',
+    'Requests': 'Requests answered',
+    'Device': 'Device plausible',
 }
 
 

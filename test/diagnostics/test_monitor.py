@@ -6,6 +6,7 @@ from bahrs_driver.diagnostics.monitor import Monitor
 from bahrs_driver.diagnostics.self_test import answer
 from bahrs_driver.diagnostics.task import ERROR, OK, Verdict, WARN
 from diagnostic_msgs.srv import SelfTest
+import pytest
 
 
 class Told:
@@ -61,3 +62,15 @@ def test_self_test_passes_when_every_test_does():
     response = answer(verdicts, 'OSS-1', SelfTest.Response())
     assert response.passed == b'\x00'
     assert response.status[3].message == 'roll integrity risk'
+
+
+@pytest.mark.parametrize('task', ['Requests', 'Device'])
+def test_self_test_fails_where_answers_are_missing_or_cannot_be_read(task):
+    """A device that is asked may be fine on the line, and still nothing be published."""
+    verdicts = dict.fromkeys(('Link', 'Framing', 'Rates', 'Time', 'Requests', 'Device'),
+                             Verdict(OK, 'fine'))
+    assert answer(verdicts, '', SelfTest.Response()).passed == b'\x01'
+    verdicts[task] = Verdict(WARN, 'not fine')
+    response = answer(verdicts, '', SelfTest.Response())
+    assert response.passed == b'\x00'
+    assert [status.message for status in response.status if status.level != OK] == ['not fine']

@@ -168,7 +168,7 @@ def test_self_test(cable):
         assert after.passed == b'\x01', after
         assert [item.name for item in after.status] == [
             'Port open and bytes flowing', 'Frames valid', 'Rates right', 'Integrity safe',
-            'Clock settled']
+            'Clock settled', 'Device plausible']
 
 
 def test_a_height_read_with_the_wrong_sign_names_the_parameter(cable):
