@@ -207,16 +207,19 @@ class TitanConverter:
 
     def _odometry(self, message: State, rotation: Quaternion, stamp_ns: int) -> Odometry:
         options, deviations = self._options, self._options.deviations
-        spread = self._orientation_spread
+        # Beside variances that are known, 0 would be taken for certainty.
+        turn = [self._orientation_spread[i] or covariance.UNKNOWN_VARIANCE for i in (0, 4, 8)]
+        rate = (deviations.rate ** 2 if _finite(message.angular_rate)
+                else covariance.UNKNOWN_VARIANCE)
         position = (deviations.position ** 2, deviations.position ** 2, deviations.altitude ** 2)
         return ros.odometry(
             ros.header(stamp_ns, options.world_frame_id), options.frame_id,
             options.convention.world(message.position_ned),
             options.convention.orientation(rotation),
-            covariance.of_pairs(position, (spread[0], spread[4], spread[8])),
+            covariance.of_pairs(position, turn),
             options.convention.body(turned_to_body(message.velocity_ned, rotation)),
             options.convention.body(message.angular_rate),
-            covariance.of_pairs((deviations.velocity ** 2,) * 3, (deviations.rate ** 2,) * 3))
+            covariance.of_pairs((deviations.velocity ** 2,) * 3, (rate,) * 3))
 
     def _imu(self, stamp_ns: int, rotation: Quaternion | None, force: Vector, rate: Vector,
              spreads: tuple[Matrix, Matrix]) -> Imu:

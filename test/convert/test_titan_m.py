@@ -167,6 +167,15 @@ def test_odometry_begins_with_the_first_fix():
     assert 'odometry' not in told(parts, STATE)
 
 
+def test_what_is_unknown_in_odometry_is_not_taken_for_certain():
+    """A deviation of 0, and a rate that is no number, have a variance that nobody trusts."""
+    unknown = converter(deviations=replace(DEVIATIONS, attitude=0.0, heading=0.0))
+    odometry = told(unknown, replace(STATE, angular_rate=(0.1, NAN, 0.3)))['odometry']
+    assert [odometry.pose.covariance[i] for i in (0, 14, 21, 28, 35)] == [4.0, 16.0, *[1e6] * 3]
+    assert [odometry.twist.covariance[i] for i in (21, 28, 35)] == [1e6] * 3
+    assert odometry.twist.covariance[0] == pytest.approx(0.04)
+
+
 def test_gps_time_that_is_unknown_is_not_told():
     """Zero without a fix."""
     assert set(told(converter(), replace(GPS, gps_time_s=0.0, zone=0))) == {'fix'}
