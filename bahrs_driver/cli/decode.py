@@ -64,7 +64,9 @@ def run(options: argparse.Namespace) -> int:
             (_print_json if options.json else _print_summary)(counts, decoder)
     complaint = decoder.complaint()
     if not framer.counters.frames:
-        complaint = f'no frame in {framer.received} bytes'
+        others = ' or '.join(f'--sensor {name}' for name in DECODERS if name != options.sensor)
+        complaint = (f'no frame of a {options.sensor} in {framer.received} bytes; '
+                     f'if they are of another device, try {others}')
     if complaint:
         print(f'bahrs decode: {complaint}', file=sys.stderr)
     return 1 if complaint else 0

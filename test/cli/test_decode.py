@@ -93,8 +93,10 @@ def test_height_format():
 @pytest.mark.parametrize('words, data, status, sentence', [
     (['nowhere.bin'], None, 1, 'bahrs decode: cannot read nowhere.bin: No such file'),
     (['/'], None, 1, 'bahrs decode: cannot read /: Is a directory'),
-    (['-'], b'', 1, 'bahrs decode: no frame in 0 bytes'),
-    (['-'], b'NENENENE' * 9, 1, 'bahrs decode: no frame in 72 bytes'),
+    (['-'], b'', 1, 'bahrs decode: no frame of a bahrs in 0 bytes; '
+     'if they are of another device, try --sensor titan_m'),
+    (['-'], b'NENENENE' * 9, 1, 'bahrs decode: no frame of a bahrs in 72 bytes; '
+     'if they are of another device, try --sensor titan_m'),
     (['--format', 'xml', '-'], b'', 2, "invalid choice: 'xml'"),
 ])
 def test_what_cannot_be_decoded(words, data, status, sentence):
