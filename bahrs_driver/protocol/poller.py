@@ -120,7 +120,8 @@ class Poller:
     @property
     def lost_by_name(self) -> dict[str, int]:
         """Return how many of each answer never came, by its name."""
-        return {kind.ANSWER.NAME: count for kind, count in self.lost.items()}
+        # Another thread may ask while a kind is lost for the first time: do not go through lost.
+        return {kind.ANSWER.NAME: self.lost[kind] for kind in REQUESTS}
 
     @property
     def slowest(self) -> int | None:

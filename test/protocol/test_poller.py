@@ -95,7 +95,7 @@ def test_no_answer_is_asked_for_again_and_then_given_up():
     assert poller.send(second) == b''
     assert (poller.unanswered[StateRequest], poller.lost[StateRequest]) == (2, 1)
     assert poller.due(second) == 1000 * MS
-    assert poller.lost_by_name == {'state': 1}
+    assert poller.lost_by_name == {'state': 1, 'gps': 0, 'sensors': 0}
 
 
 def test_how_long_to_wait_is_learnt():
