@@ -6,8 +6,8 @@ Synchronisation pulses: what samples alone cannot tell, the delay that even the 
 The device tells the device time of a pulse. Its ROS time is known from elsewhere: a pulse from a
 GNSS receiver comes at every whole second, and a host that is disciplined by the same receiver
 need only look which second is nearest; or whoever made the pulse tells. Such pairs are good to
-a microsecond or two, and a filter of offset and skew goes through them. Its difference to the
-passive tracker is that delay, and corrects the passive tracker when pulses stop.
+a microsecond or two, and a filter of offset and skew goes through them. How far the passive
+tracker is from it is that delay, by which the tracker is corrected when pulses stop.
 """
 
 from collections import deque

@@ -72,7 +72,7 @@ def test_a_time_after_its_own_read_is_dropped_and_counted():
 
 
 def test_only_a_host_that_was_set_back_is_followed_backward():
-    """Holding would part us from all other nodes."""
+    """All others on that host go by the new time, too."""
     host = HostClocks()
     made = Output(host, 0)
     host.read(Instant(0, ROS))
