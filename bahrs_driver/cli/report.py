@@ -62,13 +62,24 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print(json.dumps(_record(recording), ensure_ascii=False))
         return 0
-    target = Path(options.output or Path(options.input).with_suffix('.html'))
+    target = _target(options)
+    if target.exists() and target.samefile(options.input):
+        raise CommandError(f'{target} is the recording itself: give the page another name')
     try:
         write_whole(target, ''.join(page(recording)).encode())
     except OSError as error:
         raise CommandError(f'cannot write {target}: {error.strerror}') from error
     print(target)
     return 0
+
+
+def _target(options: argparse.Namespace) -> Path:
+    if options.output:
+        return Path(options.output)
+    source = Path(options.input)
+    if source.name in ('', '..'):           # a folder that is named by where it is
+        source = source.resolve()
+    return source.with_suffix('.html')
 
 
 def _gather(options: argparse.Namespace, capture: Capture) -> Recording:

@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of `bahrs report`, as a process."""
 
+from argparse import Namespace
 import json
 import subprocess
 
+from bahrs_driver.cli.report import _target
 from emulated import make_emulation, on_the_wire
 from processes import command
 import pytest
@@ -56,3 +58,20 @@ def test_what_cannot_be_reported_on(tmp_path, flight):
         assert (status, text) == (1, '')
         assert complaints.startswith('bahrs report: ') and sentence in complaints
         assert complaints.count('\n') == 1
+
+
+def test_a_folder_named_by_a_dot(tmp_path, monkeypatch):
+    """It has a name all the same."""
+    monkeypatch.chdir(tmp_path)
+    status, _, complaints = report('.')
+    assert status == 1 and 'is not a bag' in complaints
+    assert _target(Namespace(output=None, input='.')) == tmp_path.with_suffix('.html')
+
+
+def test_the_recording_is_never_written_over(flight):
+    """Nor by a page that the user gives its name."""
+    before = flight.read_bytes()
+    status, _, complaints = report(flight, '-o', flight)
+    assert (status, complaints) == (
+        1, f'bahrs report: {flight} is the recording itself: give the page another name\n')
+    assert flight.read_bytes() == before
