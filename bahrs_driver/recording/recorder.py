@@ -55,6 +55,7 @@ class Recorder:
         self._raw_only = raw_only
         self._known: set[str] = set()
         self._sequence: dict[str, int] = {}
+        self._shared: set[str] = set()  # topics of several publishers, each of which counts
         self._new_topics: deque[Topic] = deque()
         self._taken: deque[Taken] = deque()
         self._late: list[Taken] = []    # that drain() keeps back
@@ -145,10 +146,12 @@ class Recorder:
         return take
 
     def _count_lost(self, name: str, sequence: int | None) -> None:
-        if sequence is None:
+        if sequence is None or name in self._shared:
             return
         last = self._sequence.get(name)
-        if last is not None and sequence > last + 1:
+        if last is not None and sequence != last + 1 and self._node.count_publishers(name) > 1:
+            self._shared.add(name)
+        elif last is not None and sequence > last + 1:
             self.lost += sequence - last - 1
         self._sequence[name] = sequence
 
