@@ -50,6 +50,7 @@ class Tally:
         self.count += 1
         self.data = data
         self._arrivals.append(time.monotonic())
+        self._forget(self._arrivals[-1])
 
     @property
     def age(self) -> float:
@@ -58,12 +59,14 @@ class Tally:
 
     def rate(self) -> float:
         """Return messages per second over the last RATE_WINDOW."""
-        now = time.monotonic()
-        while self._arrivals and now - self._arrivals[0] > RATE_WINDOW:
-            self._arrivals.popleft()
+        self._forget(time.monotonic())
         if len(self._arrivals) < 2:
             return 0.0
         return (len(self._arrivals) - 1) / (self._arrivals[-1] - self._arrivals[0])
+
+    def _forget(self, now: float) -> None:
+        while self._arrivals and now - self._arrivals[0] > RATE_WINDOW:
+            self._arrivals.popleft()
 
 
 class Watch:
