@@ -8,7 +8,7 @@ import json
 import sys
 import time
 
-from bahrs_driver.cli.arguments import checked, positive
+from bahrs_driver.cli.arguments import a_number, checked, positive
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.files import binary_input, STANDARD_INPUT
 from bahrs_driver.emulator.cable import adapter_mode, AT_ONCE, Cable
@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--rate', type=positive, default=1.0, metavar='FACTOR',
                         help='how many times faster than it was (default: %(default)s)')
     parser.add_argument('--loop', action='store_true', help='begin again at the end')
-    parser.add_argument('--settle', type=float, default=0.5, metavar='SECONDS',
+    parser.add_argument('--settle', type=a_number('a time', 0.0), default=0.5, metavar='SECONDS',
                         help='time given to whoever opens the port before the first byte '
                              '(default: %(default)s)')
     parser.add_argument('--topic', metavar='NAME',
@@ -76,6 +76,8 @@ def run(options: argparse.Namespace) -> int:
         capture = None
     else:
         content, capture = b'', _capture(options)
+        if not capture.size:
+            raise CommandError(f'{options.file} is empty: there is nothing to play')
         options.sensor = options.sensor or capture.sensor
     options.sensor = options.sensor or 'bahrs'
     faults = Faults(options.seed, dict(options.fault))

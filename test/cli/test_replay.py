@@ -148,3 +148,17 @@ def test_bad_cable(words):
     with running('bahrs', 'replay', 'x', *words) as player:
         assert player.wait() == 2
         assert words[0] in player.text and 'Traceback' not in player.text
+
+
+@pytest.mark.parametrize('words, status, sentence', [
+    ([], 1, 'is empty: there is nothing to play'),
+    (['--loop'], 1, 'is empty: there is nothing to play'),
+    (['--settle', '-1'], 2, "a time is '-1': it must be a number"),
+])
+def test_nothing_to_play(tmp_path, words, status, sentence):
+    """It is told at once, and nobody waits for a device."""
+    file = tmp_path / 'empty.bin'
+    file.touch()
+    with running('bahrs', 'replay', str(file), *words) as replay:
+        assert replay.wait(60) == status
+        assert sentence in replay.text and 'Traceback' not in replay.text
