@@ -65,6 +65,9 @@ class BagCapture(Capture):
     def _find(self) -> None:
         """Look at the first raw message."""
         first = next(self._messages(), None)
+        if first is None and self._others:
+            raise CaptureError(f'{self.path} has no topic {self._topic} of type {TYPE}, but '
+                               f'{", ".join(sorted(self._others))}')
         if first is None and self.notes:
             raise CaptureError(self.notes[0])
         if first is None:
