@@ -15,6 +15,7 @@ from rclpy.qos import qos_check_compatible, QoSCompatibility
 
 TOPICS = {**BAHRS_TOPICS, **TITAN_TOPICS}
 DISCOVERY_TIME = 2.0        # s
+PATIENCE = 4.0              # s more, on a busy machine, before there is said to be no driver
 DIAGNOSTICS = '/diagnostics'
 _POLICIES = ('reliability', 'durability')
 
@@ -27,7 +28,11 @@ def look(node: Node, port: str, seconds: float = DISCOVERY_TIME) -> Iterator[Fin
     """
     time.sleep(seconds)             # what is there can only be waited for
     topics = [node.resolve_topic_name(name) for name in TOPICS]
-    offered = [name for name in topics if node.get_publishers_info_by_topic(name)]
+    end = time.monotonic() + PATIENCE
+    while not (offered := _offered(node, topics)) and time.monotonic() < end:
+        time.sleep(0.1)
+        if _offered(node, topics):      # late: so will be the others
+            time.sleep(seconds)
     if not offered:
         yield advice('driver', 'no driver is heard: nothing to compare subscribers with',
                      f'ros2 run bahrs_driver driver_node --ros-args -p port:={port}')
@@ -37,6 +42,10 @@ def look(node: Node, port: str, seconds: float = DISCOVERY_TIME) -> Iterator[Fin
     yield from wrong
     if not wrong:
         yield good('subscribers', 'all fit what the driver publishes')
+
+
+def _offered(node: Node, topics: list[str]) -> list[str]:
+    return [name for name in topics if node.get_publishers_info_by_topic(name)]
 
 
 def _topic(node: Node, topic: str) -> Iterator[Finding]:
