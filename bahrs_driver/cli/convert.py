@@ -13,6 +13,7 @@ import sys
 from typing import Any
 
 from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.cli.ros import checked_namespace
 from bahrs_driver.link import Link
 from bahrs_driver.parameters import defaults, ParameterError, PARAMETERS
 from bahrs_driver.recording.capture import Capture, read_capture
@@ -64,6 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Convert; 1 if there was nothing to convert."""
     target = Path(options.output)
+    options.namespace = checked_namespace(options.namespace)
     if target.exists():
         raise CommandError(f'{target} exists already, and is not written over')
     half_done = target.with_name(f'.{target.name}.partial')
@@ -95,8 +97,9 @@ def _convert(options: argparse.Namespace, conversion: Conversion, capture: Captu
              folder: Path) -> Outcome:
     output = CsvOutput(folder) if options.kind == 'csv' else \
         BagOutput(folder, Path(options.output).name, options.namespace)
+    console = Console(stderr=True)
     with contextlib.closing(output), Progress(
-            console=Console(stderr=True), transient=True) as bar:
+            console=console, transient=True, disable=not console.is_terminal) as bar:
         tasks: dict[str, TaskID] = {}
 
         def progress(what: str) -> None:
@@ -114,7 +117,11 @@ def _settings(options: argparse.Namespace, sensor: str) -> Mapping[str, Any]:
         name, _, value = text.partition(':=')
         if name not in known or not value:
             raise CommandError(f'-p {text}: it must be NAME:=VALUE, of a parameter of the driver')
-        settings[name] = known[name].convert(yaml.safe_load(value))
+        try:
+            settings[name] = known[name].convert(yaml.safe_load(value))
+        except yaml.YAMLError as error:
+            raise CommandError(f'-p {text}: {value!r} is no value of YAML: put quotes around a '
+                               'text that has brackets or colons') from error
     return settings
 
 

@@ -54,6 +54,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Look at everything; 1 if there is a problem."""
     has_rclpy = _has_rclpy()
+    if has_rclpy:
+        from bahrs_driver.cli.ros import checked_namespace      # needs ROS
+        options.namespace = checked_namespace(options.namespace)
     findings = []
     console = Console(soft_wrap=True, highlight=False)
     for finding in _findings(options, has_rclpy):
@@ -72,6 +75,8 @@ def run(options: argparse.Namespace) -> int:
 def _findings(options: argparse.Namespace, has_rclpy: bool) -> Iterator[Finding]:
     machine = Machine(options.root)
     port = options.port or _usual_port(machine)
+    if '://' not in port:
+        port = os.path.abspath(port)
     may_listen = not options.no_listen
     if '://' not in port:
         for finding in usb_port.look(machine, port, _rule()):
@@ -82,8 +87,12 @@ def _findings(options: argparse.Namespace, has_rclpy: bool) -> Iterator[Finding]
     if may_listen:
         yield from listening.look(str(machine.path(port)) if '://' not in port else port,
                                   options.baud_rate, ask=options.ask)
-    yield from ros_environment.look(machine.environment, has_rclpy, Path(sys.prefix))
-    if has_rclpy:
+    may_join = has_rclpy
+    for finding in ros_environment.look(machine.environment, has_rclpy, Path(sys.prefix)):
+        yield finding
+        if finding.check in ('middleware', 'domain') and finding.level is Level.PROBLEM:
+            may_join = False            # ROS would not start
+    if may_join:
         yield from _graph(options.namespace, port)
 
 

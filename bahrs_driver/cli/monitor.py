@@ -8,14 +8,12 @@ import math
 import os
 import time
 
-from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.cli.ros import check_domain, checked_namespace
 from bahrs_driver.monitor.page import Page
 from bahrs_driver.monitor.tables import record, tables
 from bahrs_driver.monitor.watch import Watch
 import rclpy
-from rclpy.exceptions import InvalidNamespaceException
 from rclpy.executors import ExternalShutdownException
-from rclpy.validate_namespace import validate_namespace
 from rich.console import Console
 from rich.live import Live
 
@@ -45,13 +43,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Watch until the time is up or Ctrl-C; 1 if no driver was heard."""
-    try:
-        validate_namespace('/' + options.namespace.lstrip('/'))
-    except InvalidNamespaceException as error:
-        raise CommandError(f'{options.namespace!r} is no namespace: it must be a name such as '
-                           '/left') from error
+    namespace = checked_namespace(options.namespace)
+    check_domain()
     rclpy.init(args=[])
-    node = rclpy.create_node(f'bahrs_monitor_{os.getpid()}', namespace=options.namespace)
+    node = rclpy.create_node(f'bahrs_monitor_{os.getpid()}', namespace=namespace)
     watch, console = Watch(node), Console()
     end = math.inf if options.duration is None else time.monotonic() + options.duration
     try:

@@ -14,6 +14,7 @@ import time
 
 from bahrs_driver.cli.arguments import positive
 from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.cli.ros import check_domain, check_node_name, checked_namespace
 from bahrs_driver.recording.bag_output import BagWriter
 from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.recording.recorder import NANOSECONDS, RAW, Recorder
@@ -65,6 +66,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Record until the time is up or a signal ends it; 1 if there was nothing, or no room."""
+    options.namespace = checked_namespace(options.namespace)
+    check_node_name(options.node)
+    check_domain()
     folder = options.output or time.strftime('bahrs_%Y_%m_%d-%H_%M_%S')
     failure = ''
     with _ending() as ended, _ros():

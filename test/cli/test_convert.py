@@ -6,8 +6,12 @@ from collections import defaultdict
 import csv
 import json
 
+from bahrs_driver.convert import raw
 from bahrs_driver.convert.bahrs import TOPICS
 from bahrs_driver.emulator.pty_port import PtyPort
+from bahrs_driver.recording.bag_output import BagWriter
+from bahrs_driver.recording.serialization import serialized
+from bahrs_driver.recording.topics import Topic
 from devices import Device
 from emulated import emissions, make_device
 from mcap.reader import make_reader
@@ -154,6 +158,8 @@ def test_namespace(byte_file, tmp_path):
     (['FILE', '/proc/x'], 1, 'cannot make'),
     (['FILE', 'OUT', '-p', 'speed:=3'], 1, 'it must be NAME:=VALUE'),
     (['FILE', 'OUT', '-p', 'frame_convention:=nwu'], 1, "must be 'enu' or 'ned'"),
+    (['FILE', 'OUT', '-p', 'port:=[a'], 1, "'[a' is no value of YAML"),
+    (['FILE', 'OUT', '--namespace', 'a b'], 1, "'a b' is no namespace"),
     (['FILE', 'OUT', '--start', 'noon'], 2, "'noon' is no time"),
     (['FILE', 'OUT', '--start', '-5'], 2, 'before 1970'),
 ])
@@ -164,3 +170,13 @@ def test_what_is_refused(byte_file, tmp_path, words, status, sentence):
     found, text = convert(*(names.get(word, word) for word in words))
     assert found == status and sentence in text
     assert {path.name for path in tmp_path.iterdir()} == {'flight.bin', 'noise'}
+
+
+def test_a_topic_that_is_not_there(tmp_path):
+    """The sentence says which there is."""
+    with BagWriter(tmp_path / 'bag') as bag:
+        bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
+        bag.write('/raw', 1, serialized(raw.message(b'bytes', '')))
+    status, text = convert(tmp_path / 'bag', tmp_path / 'out', '--topic', '/nope')
+    assert status == 1
+    assert text.endswith('has no topic /nope of type std_msgs/msg/UInt8MultiArray, but /raw\n')

@@ -36,3 +36,19 @@ def test_no_device(tmp_path):
     assert wrong.startswith('problem port: /dev/ttyUSB0 does not exist, nor any adapter on USB')
     assert remedy.split('-> ')[1] == 'sudo dmesg --follow'
     assert '\x1b' not in text
+
+
+def test_a_port_named_from_here(tmp_path, monkeypatch):
+    """A relative path is one of this folder."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / 'port').touch()
+    _, text = doctor('--port', 'port', '--no-listen')
+    assert f'{tmp_path}/port is there' in text
+
+
+def test_a_domain_that_is_none(monkeypatch):
+    """It is told with the rest, and ROS is not started in it."""
+    monkeypatch.setenv('ROS_DOMAIN_ID', 'abc')
+    status, text = doctor('--no-listen')
+    assert status == 1
+    assert "problem domain: ROS_DOMAIN_ID is 'abc'" in text

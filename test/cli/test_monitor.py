@@ -60,3 +60,12 @@ def test_a_namespace_that_is_none():
         assert monitor.wait(60) == 1
         assert monitor.text == ("bahrs monitor: 'no body' is no namespace: it must be a name such "
                                 'as /left\n')
+
+
+def test_a_domain_that_is_none(monkeypatch):
+    """One sentence, where ROS would say it with a traceback."""
+    monkeypatch.setenv('ROS_DOMAIN_ID', '900')
+    with running('bahrs', 'monitor', '--duration', '1') as monitor:
+        assert monitor.wait(60) == 1
+        assert monitor.text == ("bahrs monitor: ROS_DOMAIN_ID is '900': it must be a number from "
+                                '0 to 101\n')

@@ -105,7 +105,7 @@ def test_no_room(flying, tmp_path):
 
 @pytest.mark.parametrize('words, sentence', [
     ([], 'there is no node bahrs_driver: start the driver, or say --node'),
-    (['--node', 'x', '--namespace', 'uav'], 'there is no node x in namespace uav'),
+    (['--node', 'x', '--namespace', 'uav'], 'there is no node x in namespace /uav'),
 ])
 def test_nothing_to_record(tmp_path, words, sentence):
     """A sentence says what is missing."""
@@ -127,6 +127,8 @@ def test_a_driver_without_raw(tmp_path):
 def test_bad_options(tmp_path):
     """Each is refused with a sentence."""
     for words, sentence in ((['--max-size', '0'], 'not more than 0'),
+                            (['--namespace', 'a b'], "'a b' is no namespace"),
+                            (['--node', 'a b'], "'a b' is no name of a node"),
                             (['-o', str(tmp_path)], 'exists already')):
         with running('bahrs', 'record', *words) as recorder:
             assert recorder.wait(LONG) in (1, 2)
