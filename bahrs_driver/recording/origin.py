@@ -12,6 +12,8 @@ so that whoever records the topic, by whatever means, keeps the moment of the re
 
 from typing import NamedTuple
 
+TOO_LARGE = 2 ** 63         # for a time in ns as bags and ROS have it
+
 
 class Origin(NamedTuple):
     """What was known when some bytes were read."""
@@ -31,6 +33,8 @@ def parse_label(label: str) -> Origin | None:
     """Return what a label says; None if it is none of ours."""
     words = dict(word.split('=', 1) for word in label.split() if '=' in word)
     try:
-        return Origin(words['sensor'], *(int(words[name]) for name in Origin._fields[1:]))
+        numbers = [int(words[name]) for name in Origin._fields[1:]]
+        return Origin(words['sensor'], *numbers) if all(
+            0 <= number < TOO_LARGE for number in numbers) else None
     except (KeyError, ValueError):
         return None

@@ -178,7 +178,10 @@ def test_label(origin):
     assert parse_label(origin.label() + ' new=1') == origin
 
 
-@pytest.mark.parametrize('label', ['', 'rows', 'sensor=x', 'sensor=x opening=y byte_ns=1'])
+@pytest.mark.parametrize('label', [
+    '', 'rows', 'sensor=x', 'sensor=x opening=y byte_ns=1',
+    f'sensor=bahrs opening=1 byte_ns=1 ros_ns={2 ** 63} raw_ns=1',
+    'sensor=bahrs opening=1 byte_ns=1 ros_ns=-1 raw_ns=1'])
 def test_label_of_somebody_else(label):
     """It says nothing."""
     assert parse_label(label) is None
