@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A recording of a BAHRS, read into arrays a piece at a time."""
 
+from array import array
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -74,8 +75,7 @@ def gather(capture: Capture, crc: Any = 'auto', height_format: Any = 'uint16',
     """Read a capture; progress is called after each piece. CaptureError if it cannot be read."""
     frame_format, codec = BahrsFormat(crc), BahrsCodec(height_format)
     framer, batch = Framer(frame_format), Batch(codec.layouts_by_header)
-    times: list[int] = []
-    received: list[int] = []
+    times, received = array('q'), array('q')        # there are millions
     opening = openings = 0
     for chunk in capture.chunks():
         if chunk.opening != opening:
