@@ -11,7 +11,9 @@ known to differ in length: nothing else tells them apart.
 
 An answer goes with the oldest outstanding request of its kind. If message ids are counted, and
 the device is seen to send them back, it must have the id of that request, too. An answer that goes
-with no request came late or twice, and is no data: its time is not known.
+with no request came late or twice, and is no data: its time is not known. So is one that comes
+sooner after its request than the line can carry the two, if another of its kind was given up just
+before: it is the late answer to that one.
 
 How long to wait is learnt: the slowest of the last answers, twice, and a margin. A request that
 is not answered is repeated, at once and a few times. When several in a row were not, the other
@@ -43,6 +45,7 @@ FEW_MEASURED = 4                    # of them at least are needed to know
 UNANSWERED = 3                      # in a row, and another byte order is tried
 ID_VOTES, ID_MAJORITY = 8, 6        # of the last answers that had the id of their request
 REMEMBERED = 8                      # requests that were given up
+FASTEST_LINE = 0.95                 # of the time that a line needs by its nominal rate
 
 Kind = type[TitanRequest]
 
@@ -173,7 +176,7 @@ class Poller:
         found = had_id if self.returns_ids else waiting
         if waiting:
             self._ids.append(bool(had_id))
-        if not found:
+        if not found or self._is_late(found[0], now):
             self._note_unexpected(answer.kind, now)
             return replace(answer, wanted=False)
         pending = found[0]
@@ -236,16 +239,28 @@ class Poller:
             if self._options.checksum_order == 'auto':
                 self.checksum_order = 'little' if self.checksum_order == 'big' else 'big'
 
+    def _is_late(self, pending: Pending, now: int) -> bool:
+        """Whether an answer that has come now is to an earlier request than this."""
+        if self._abandoned(pending.kind, now) is None or self.returns_ids:
+            return False
+        return now - pending.sent < FASTEST_LINE * self._line_time(pending.kind)
+
+    def _abandoned(self, kind: Kind, now: int) -> Pending | None:
+        """Return the latest request of a kind that was given up not long ago."""
+        return next((pending for pending in reversed(self._given_up) if pending.kind is kind
+                     and now - pending.deadline < self._options.timeout), None)
+
     def _note_unexpected(self, answer: type[TitanAnswer], now: int) -> None:
         kind, = (kind for kind in REQUESTS if kind.ANSWER is answer)
         self.unexpected[kind] += 1
-        for pending in reversed(self._given_up):
-            if pending.kind is kind and now - pending.deadline < self._options.timeout:
-                # It was only late: wait longer.
-                self._given_up.remove(pending)
-                self._measure(pending, now)
-                return
+        pending = self._abandoned(kind, now)
+        if pending:                     # it was only late: wait longer
+            self._given_up.remove(pending)
+            self._measure(pending, now)
 
     def _measure(self, pending: Pending, now: int) -> None:
-        size = REQUEST_SIZE + answer_size(pending.kind.ANSWER)
-        self._delays.append(max(0, now - pending.sent - size * self._byte_time))
+        self._delays.append(max(0, now - pending.sent - self._line_time(pending.kind)))
+
+    def _line_time(self, kind: Kind) -> int:
+        """Return what the line needs for a request and its answer."""
+        return (REQUEST_SIZE + answer_size(kind.ANSWER)) * self._byte_time

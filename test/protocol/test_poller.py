@@ -124,6 +124,24 @@ def test_an_answer_that_comes_late_teaches_patience():
     assert poller.due(5000 * MS) == 5000 * MS + 64 * BYTE + 50 * MS     # as long as may be
 
 
+def test_a_late_answer_is_not_taken_for_that_of_the_repeated_request():
+    """The line cannot have carried it since then; the real one comes after it."""
+    poller = begun({StateRequest: 1.0}, timeout=50 * MS)
+    poller.send(0)
+    again = poller.due(0)
+    assert asked(poller.send(again)) == (StateRequest, 0)
+    assert answer(poller, State, again + 2 * MS) is None
+    assert poller.expected() == [State] and poller.unexpected == {StateRequest: 1}
+    assert answer(poller, State, again + 64 * BYTE + MS) == again
+
+
+def test_a_quick_answer_is_taken_where_none_was_given_up():
+    """Whatever the nominal rate of the line."""
+    poller = begun({StateRequest: 1.0})
+    poller.send(0)
+    assert answer(poller, State, 2 * MS) == 0
+
+
 def test_the_other_byte_order_is_tried_when_nothing_answers():
     """And stays when something does."""
     poller = begun({StateRequest: 10.0}, retries=0, timeout=20 * MS)

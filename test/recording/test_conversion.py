@@ -109,11 +109,11 @@ def test_stamps_are_near_the_truth_from_the_first_on(tmp_path):
 
 
 def test_diagnostics_tell_of_the_flight(tmp_path):
-    """At the flight's own times: what was damaged, when nothing came, and that it is well again."""
+    """At the flight's own times: what was damaged, when nothing came, and that all is well."""
     chunks, _ = flight(14.0)
     damaged = [chunk._replace(data=chunk.data[:-3] + b'xyz')
-               if 4 * S < chunk.read_at - ORIGIN < 4.5 * S else chunk for chunk in chunks
-               if not 8 * S < chunk.read_at - ORIGIN < 10 * S]
+               if 4 * S < chunk.read_at - ORIGIN < 4.5 * S else chunk
+               for chunk in chunks if not 8 * S < chunk.read_at - ORIGIN < 10 * S]
     kept, _ = converted(Pieces(damaged, tmp_path))
     reports = [(time - ORIGIN, {status.name: status for status in array.status})
                for time, array in kept.messages['/diagnostics']]
