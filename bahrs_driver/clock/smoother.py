@@ -37,6 +37,8 @@ PATIENCE = 60 * NANOSECONDS
 EQUAL_BUCKETS = 20
 NEIGHBOURS = 10                         # buckets to either side whose gaps tell the spread
 ROUNDS = 2
+FEW = 5                                 # pairs of buckets that do not tell the slope
+SLOPE_DEVIATION, SKEW_DEVIATION = 20e-6, 100e-6
 ABOVE = 4.0                             # on the variance of what lies above the line
 
 
@@ -151,7 +153,7 @@ def _line(buckets: list[Bucket]) -> Line:
     forward, jumps = _pass(buckets, spreads)
     backward, jumps_back = _pass(buckets[::-1], spreads[::-1])
     last = len(buckets) - 1
-    believed = forward & {last - index for index in backward} or set(range(len(buckets)))
+    believed = _both(forward, {last - index for index in backward}) or set(range(len(buckets)))
     # Going backward, the jump is found at the earlier end of what lies behind it.
     breaks = jumps | {last - index + 1 for index in jumps_back}
     base, start = buckets[0].offset, buckets[0].time
@@ -169,6 +171,19 @@ def _line(buckets: list[Bucket]) -> Line:
                    for index, (offset, _) in zip(kept, states)]
     return Line([(buckets[index].time, base + round(offset), skew)
                  for index, (offset, skew) in zip(kept, states)])
+
+
+def _both(forward: set[int], backward: set[int]) -> set[int]:
+    """Return what both passes believe; or what one does, if the other has lost its way."""
+    both, larger = forward & backward, max(forward, backward, key=len)
+    return both if len(both) > len(larger) // 2 else larger
+
+
+def _slope(buckets: list[Bucket]) -> float:
+    """Return about how much the offset grows, a ns for each ns, whatever single buckets say."""
+    apart = len(buckets) // 2
+    return median((later.offset - bucket.offset) / (later.time - bucket.time)
+                  for bucket, later in zip(buckets, buckets[apart:])) if apart >= FEW else 0.0
 
 
 def _measured(bucket: Bucket) -> float:
@@ -190,7 +205,8 @@ def _spreads(buckets: list[Bucket]) -> list[float]:
 def _pass(buckets: list[Bucket], spreads: list[float]) -> tuple[set[int], set[int]]:
     """Return which buckets are believed in this direction, and before which the path changed."""
     first = buckets[0]
-    line = OffsetFilter(first.time, first.offset, FIRST_DEVIATION)
+    line = OffsetFilter(first.time, first.offset, FIRST_DEVIATION, _slope(buckets),
+                        SLOPE_DEVIATION if len(buckets) >= 2 * FEW else SKEW_DEVIATION)
     believed, jumps, accepted = set(), set(), first.time
     late: deque[tuple[int, float]] = deque(maxlen=EQUAL_BUCKETS)
     for index, (bucket, spread) in enumerate(zip(buckets, spreads)):

@@ -100,3 +100,17 @@ def test_a_clock_with_another_tracker_is_new():
     """And takes the same options."""
     clock = SampleClock().with_tracker(Tracker())
     assert clock.state().epochs == 0
+
+
+@pytest.mark.parametrize('late_us', [100, 250, 500, 3000])
+def test_a_late_beginning_leads_nobody_astray(late_us):
+    """Nothing waits where everything is read in time, but the first samples often do."""
+    source = random.Random(late_us)
+    samples = [(index * 5_000_000, 10 ** 12 + round(
+        index * 5_000_000 * (1 - 30e-6) + source.uniform(0, 30_000)
+        + (late_us * 1000 if index < 90 else 0))) for index in range(4000)]
+    line = lines(samples)
+    for index in range(0, 4000, 100):
+        device = index * 5_000_000
+        error = line.host_time(device) - 10 ** 12 - device * (1 - 30e-6)
+        assert abs(error) < 25_000, index
