@@ -11,6 +11,7 @@ takes longer they get the time of their arrival. Messages that are no samples do
 
 from collections import deque
 from collections.abc import Callable, Iterable
+from functools import partial
 from statistics import median_low
 from typing import Any, NamedTuple
 
@@ -72,7 +73,8 @@ class SampleClock:
         self._chunks: deque[int] = deque(maxlen=CHUNKS)
         self._handlers: dict[type, Callable[[Any, Frame, int], _Waiting | None]] = {
             Inertial: self._inertial, Navigation: self._navigation,
-            InertialTime: self._inertial_time, NavigationTime: self._navigation_time,
+            InertialTime: partial(self._time, self._device.inertial_time),
+            NavigationTime: partial(self._time, self._device.navigation_time),
             SyncPulseTime: self._pulse}
         self.begin(0)
 
@@ -143,15 +145,8 @@ class SampleClock:
     def _navigation(self, message: Navigation, frame: Frame, bound: int) -> _Waiting:
         return _Waiting(message, frame, bound, self._device.navigation(message.sequence))
 
-    def _inertial_time(self, message: InertialTime, frame: Frame, bound: int) -> _Waiting | None:
-        return self._time(message, frame, bound, self._device.inertial_time)
-
-    def _navigation_time(self, message: NavigationTime, frame: Frame,
-                         bound: int) -> _Waiting | None:
-        return self._time(message, frame, bound, self._device.navigation_time)
-
-    def _time(self, message: InertialTime | NavigationTime, frame: Frame, bound: int,
-              count_of: Callable[[int], int | None]) -> _Waiting | None:
+    def _time(self, count_of: Callable[[int], int | None],
+              message: InertialTime | NavigationTime, frame: Frame, bound: int) -> _Waiting | None:
         count = count_of(message.reference_sequence) if message.valid else None
         if count is None:
             return None
