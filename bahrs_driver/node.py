@@ -35,7 +35,6 @@ from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
-from rclpy.task import Future
 from rclpy.time import Time
 from rclpy.utilities import remove_ros_args
 from sensor_msgs.msg import TimeReference
@@ -222,26 +221,31 @@ def _run(ended: Event) -> None:
     Let the node's threads and the executor run until ended or until one of them fails.
 
     The main thread waits for the signal. The executor's own shutdown() does not wait for
-    callbacks, and from another thread takes away what spin() still uses: spinning ends by a
-    future, and the port is let go while ROS is still whole.
+    callbacks, and from another thread takes away what spin() still uses: spinning ends by
+    itself, at the next tick of a timer, and the port is let go while ROS is still whole.
     """
     node = DriverNode()
     executor = MultiThreadedExecutor(SERVICE_THREADS)
     executor.add_node(node)
-    stopped = Future()
+    stopped = Event()
     with ThreadPoolExecutor(max_workers=len(node.threads) + 1) as pool:
         threads = [pool.submit(run) for run in node.threads]
-        threads.append(pool.submit(executor.spin_until_future_complete, stopped))
+        threads.append(pool.submit(_spin, executor, stopped))
         for thread in threads:
             thread.add_done_callback(lambda _: ended.set())
         ended.wait()
         node.leave_device()
         node.stop()
-        stopped.set_result(None)
+        stopped.set()
         for thread in threads:
             thread.result()
     executor.shutdown()
     node.destroy_node()
+
+
+def _spin(executor: MultiThreadedExecutor, stopped: Event) -> None:
+    while not stopped.is_set():
+        executor.spin_once()
 
 
 def _check_words(words: list[str]) -> None:

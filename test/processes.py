@@ -18,7 +18,6 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.task import Future
 
 BIN = Path(sys.executable).parent
 MODULES = {'bahrs': 'bahrs_driver.cli.main', 'driver_node': 'bahrs_driver.node'}
@@ -54,6 +53,11 @@ class Process:
     def text(self) -> str:
         """All that it has printed so far."""
         return ''.join(self.lines)
+
+    @property
+    def pid(self) -> int:
+        """Return the number of the process."""
+        return self._child.pid
 
     def tell(self, line: str) -> None:
         """Give it a line on its standard input."""
@@ -119,13 +123,14 @@ class Ear:
             self.node.create_subscription(kind, topic, self.heard[topic].append, profile)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
-        self._ended = Future()
+        self._ended = threading.Event()
         self._thread = threading.Thread(target=self._spin, daemon=True)
         self._thread.start()
 
     def _spin(self) -> None:
         with contextlib.suppress(ExternalShutdownException):
-            self._executor.spin_until_future_complete(self._ended)
+            while not self._ended.is_set():
+                self._executor.spin_once(0.1)
 
     def wait(self, topic: str, count: int = 1, timeout: float = PATIENCE) -> list[Any]:
         """Wait until a topic has brought so many messages, and return all of them."""
@@ -135,7 +140,7 @@ class Ear:
 
     def close(self) -> None:
         """Stop listening."""
-        self._ended.set_result(None)
+        self._ended.set()
         self._thread.join()
         self._executor.shutdown()
         self.node.destroy_node()

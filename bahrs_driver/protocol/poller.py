@@ -13,7 +13,7 @@ An answer goes with the oldest outstanding request of its kind. If message ids a
 the device is seen to send them back, it must have the id of that request, too. An answer that goes
 with no request came late or twice, and is no data: its time is not known. So is one that comes
 sooner after its request than the line can carry the two, if another of its kind was given up just
-before: it is the late answer to that one.
+before, and no answer before was as quick: it is the late answer to that one.
 
 How long to wait is learnt: the slowest of the last answers, twice, and a margin. A request that
 is not answered is repeated, at once and a few times. When several in a row were not, the other
@@ -106,6 +106,7 @@ class Poller:
         self._given_up: deque[Pending] = deque(maxlen=REMEMBERED)
         self._again: deque[tuple[Kind, int]] = deque()
         self._delays: deque[int] = deque(maxlen=MEASURED)
+        self._paced: deque[bool] = deque(maxlen=MEASURED)   # that the line is as slow as its rate
         self._ids: deque[bool] = deque(maxlen=ID_VOTES)
         self._in_a_row = 0          # requests without an answer
         self._line_free = now       # when the line has carried the answers asked for
@@ -183,6 +184,7 @@ class Poller:
         self._outstanding.remove(pending)
         self.answered[pending.kind] += 1
         self._in_a_row = 0
+        self._paced.append(self._is_paced(pending, now))
         self._measure(pending, now)
         return replace(answer, asked=pending.sent)
 
@@ -243,7 +245,12 @@ class Poller:
         """Whether an answer that has come now is to an earlier request than this."""
         if self._abandoned(pending.kind, now) is None or self.returns_ids:
             return False
-        return now - pending.sent < FASTEST_LINE * self._line_time(pending.kind)
+        sure = len(self._paced) >= FEW_MEASURED and all(self._paced)
+        return sure and not self._is_paced(pending, now)
+
+    def _is_paced(self, pending: Pending, now: int) -> bool:
+        """Whether an answer that has come now took at least what the line needs for it."""
+        return now - pending.sent >= FASTEST_LINE * self._line_time(pending.kind)
 
     def _abandoned(self, kind: Kind, now: int) -> Pending | None:
         """Return the latest request of a kind that was given up not long ago."""

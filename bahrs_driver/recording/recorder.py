@@ -23,7 +23,6 @@ from rclpy.qos import (
     DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy,
 )
 from rclpy.serialization import deserialize_message
-from rclpy.task import Future
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from std_msgs.msg import UInt8MultiArray
 
@@ -64,7 +63,7 @@ class Recorder:
         self._node.create_timer(SEARCH_PERIOD, self._search)
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self._node)
-        self._stopped = Future()
+        self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._spin, name='recorder')
 
     def start(self) -> None:
@@ -73,8 +72,8 @@ class Recorder:
 
     def stop(self) -> None:
         """Listen no more. What came by now can still be drained."""
-        # Not by shutdown(), which takes away what spinning still uses.
-        self._stopped.set_result(None)
+        # Not by shutdown(), which takes away what spinning still uses: at the next search.
+        self._stopped.set()
         self._thread.join()
         self._executor.shutdown()
         self._node.destroy_node()
@@ -102,7 +101,8 @@ class Recorder:
 
     def _spin(self) -> None:
         try:
-            self._executor.spin_until_future_complete(self._stopped)
+            while not self._stopped.is_set():
+                self._executor.spin_once()
         except ExternalShutdownException:
             pass
 

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of bags that we write: read by others, killed at any time, split, out of room."""
 
+import contextlib
 import os
 from pathlib import Path
 import resource
@@ -134,20 +135,23 @@ def test_unknown_type(tmp_path):
     assert len(with_mcap(tmp_path / 'bag')) == 100
 
 
-@pytest.fixture
+@contextlib.contextmanager
 def small_disk():
-    """Let no file become larger than 4,000 bytes."""
+    """Let no file become larger than 4,000 bytes; also not what the tests themselves print."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (4000, before[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
-def test_no_room(tmp_path, small_disk):
+def test_no_room(tmp_path):
     """A sentence says so, and all up to the last good flush can be read."""
     bag, sent, good = BagWriter(tmp_path / 'bag'), [], 0
     bag.add_topics(TOPICS)
-    with pytest.raises(CaptureError, match='bag_0.mcap: File too large; it has all'):
+    with small_disk(), \
+            pytest.raises(CaptureError, match='bag_0.mcap: File too large; it has all'):
         while True:
             data = number(0.0)[:4] + os.urandom(8)
             bag.write('/heading', START + len(sent), data)
@@ -156,7 +160,8 @@ def test_no_room(tmp_path, small_disk):
                 bag.sync()
                 bag.flush()
                 good = len(sent)
-    bag.close()
+    with small_disk():
+        bag.close()
     assert good > 10
     assert with_mcap(tmp_path / 'bag') == with_rosbags(tmp_path / 'bag') == sent[:good]
 
