@@ -23,17 +23,14 @@ from typing import NamedTuple
 
 from bahrs_driver.clock.kalman import OffsetFilter
 from bahrs_driver.clock.rauch import Measurement, smoothed
-from bahrs_driver.clock.tracker import Tracker
-from bahrs_driver.clock.units import MICROSECOND, MILLISECOND, NANOSECONDS
+from bahrs_driver.clock.tracker import (
+    CLOSE_GAP, GATE_DEVIATIONS, GATE_MARGIN, LEAST_DEVIATION, PATIENCE, Tracker, WIDEST_GAP,
+)
+from bahrs_driver.clock.units import MILLISECOND, NANOSECONDS
 
 BUCKET = NANOSECONDS // 2
-CLOSE_GAP = 60 * MICROSECOND            # below it the gap tells how far the truth lies below
-WIDEST_GAP = MILLISECOND                # what is wider says no more
-LEAST_DEVIATION = 8 * MICROSECOND
 FIRST_DEVIATION = 10 * MILLISECOND
 JUMP_DEVIATION = 10 * MILLISECOND
-GATE_DEVIATIONS, GATE_MARGIN = 4, 40 * MICROSECOND
-PATIENCE = 60 * NANOSECONDS
 EQUAL_BUCKETS = 20
 NEIGHBOURS = 10                         # buckets to either side whose gaps tell the spread
 ROUNDS = 2

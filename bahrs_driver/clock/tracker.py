@@ -13,8 +13,8 @@ An envelope must forget, for the clocks drift, and must not believe a single sam
 seems too early (a counter damaged on the way, a wrong time message) would bend it for long. So:
 
 *   Samples are gathered in buckets, from 0.05 s at the start to 0.5 s. Of a bucket only the two
-    lowest residuals m1 <= m2 count, taken from the line that is believed so far. If they are close
-    together, the truth lies about as far below the first as that lies below the second.
+    lowest residuals m1 <= m2 count, taken from the line that is believed so far. The truth lies
+    about as far below the first as that lies below the second; a wide gap tells no more of it.
 *   A Kalman filter of offset and skew takes one such measurement a bucket. It has two paces: one
     for a clock at an even temperature, whose skew is then known well enough to go on by while
     nothing can be believed, and one for a clock that warms up. A measurement's noise is what
@@ -38,7 +38,7 @@ from bahrs_driver.clock.units import MICROSECOND, MILLISECOND, NANOSECONDS
 FIRST_SPAN = NANOSECONDS // 2
 SHORTEST_BUCKET, LONGEST_BUCKET = NANOSECONDS // 20, NANOSECONDS // 2
 BUCKET_GROWTH = 0.1                     # of the time since the start
-CLOSE_GAP = 60 * MICROSECOND            # below it the gap tells how far the truth lies below
+CLOSE_GAP = 60 * MICROSECOND            # the most that the truth is taken to lie below
 WIDEST_GAP = MILLISECOND                # what is wider says no more
 LEAST_DEVIATION = 8 * MICROSECOND
 GATE_DEVIATIONS, GATE_MARGIN = 4, 40 * MICROSECOND
