@@ -23,10 +23,10 @@ class SealedFile:
         """
         Make the file; end is what makes it whole. OSError if it cannot be made.
 
-        It has its name from the first flush on, and one with a dot in front before that.
+        It has its name from the first flush on, and before that one that nobody takes for a bag's.
         """
         self._path = path
-        self._hidden: Path | None = path.with_name(f'.{path.name}')
+        self._hidden: Path | None = path.with_name(f'.{path.name}.partial')
         self._seal = end
         self._pending = bytearray()
         self._place = 0             # where the end begins

@@ -10,6 +10,7 @@ import shutil
 
 from bahrs_driver.recording.bag_output import BagWriter
 from bahrs_driver.recording.errors import CaptureError
+from bahrs_driver.recording.sealed_file import SealedFile
 from bahrs_driver.recording.topics import profile, Topic
 from mcap.reader import make_reader
 import pytest
@@ -111,6 +112,17 @@ def test_killed_at_any_time(tmp_path):
         assert information(copy)['message_count'] == (index + 1) // 20 * 20
     bag.close()
     assert with_mcap(tmp_path / 'bag') == with_rosbags(tmp_path / 'bag') == sent
+
+
+def test_no_file_before_it_is_whole(tmp_path):
+    """Who looks for the files of a bag never finds one that has no end, or that vanishes."""
+    file = SealedFile(tmp_path / 'bag_0.mcap', b'end')
+    file.write(b'data')
+    assert not list(tmp_path.glob('*.mcap'))
+    file.flush()
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {
+        'bag_0.mcap': b'dataend'}
+    file.close()
 
 
 def test_split(tmp_path):
