@@ -21,6 +21,12 @@ class Session:
         self._scenario = deque(scenario)
         self._truth_file = truth_file
 
+    @property
+    def next_time(self) -> float:
+        """When there is something to do next."""
+        time = self.emulation.next_time
+        return min(time, self._scenario[0].time) if self._scenario else time
+
     def advance(self, until: float, zero: HostTime) -> None:
         """Let everything happen that is due by then; ControlError for a wrong scenario."""
         while self._scenario and self._scenario[0].time <= until:
