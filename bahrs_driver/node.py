@@ -18,6 +18,7 @@ from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.self_test import answer
 from bahrs_driver.diagnostics.task import Task
 from bahrs_driver.diagnostics.time_task import TimeTask
+from bahrs_driver.executor import PatientExecutor
 from bahrs_driver.link import Link, Reading
 from bahrs_driver.nvm_services import NvmServices
 from bahrs_driver.parameters import declare, ParameterError, unknown_names
@@ -29,7 +30,6 @@ from diagnostic_msgs.srv import SelfTest
 import rclpy
 from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError
 from rclpy.exceptions import NameValidationException
-from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -220,12 +220,12 @@ def _run(ended: Event) -> None:
     """
     Let the node's threads and the executor run until ended or until one of them fails.
 
-    The main thread waits for the signal. The executor's own shutdown() does not wait for
-    callbacks, and from another thread takes away what spin() still uses: spinning ends by
-    itself, at the next tick of a timer, and the port is let go while ROS is still whole.
+    The main thread waits for the signal. An executor that is shut down from another thread loses
+    what spinning still uses: spinning ends by itself, at the next tick of a timer, and the port
+    is let go while ROS is still whole.
     """
     node = DriverNode()
-    executor = MultiThreadedExecutor(SERVICE_THREADS)
+    executor = PatientExecutor(SERVICE_THREADS)
     executor.add_node(node)
     stopped = Event()
     with ThreadPoolExecutor(max_workers=len(node.threads) + 1) as pool:
@@ -243,7 +243,7 @@ def _run(ended: Event) -> None:
     node.destroy_node()
 
 
-def _spin(executor: MultiThreadedExecutor, stopped: Event) -> None:
+def _spin(executor: PatientExecutor, stopped: Event) -> None:
     while not stopped.is_set():
         executor.spin_once()
 
