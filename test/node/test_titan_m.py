@@ -114,7 +114,8 @@ def test_nothing_is_published_before_the_byte_order_is_known(cable):
             assert not ear.heard['velocity']
         with driver(cable.path, payload_order='big', **rates):
             ear.wait('velocity', 5, 60)
-            assert set(asked) == {bytes.fromhex('3347535402000123')}
+            # In either checksum order: where an answer is late, the other one is tried.
+            assert {request[:4] for request in asked} == {b'3GST'}
 
 
 def test_unplugged_and_plugged_again(tmp_path):
