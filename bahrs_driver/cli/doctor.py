@@ -108,7 +108,9 @@ def _has_rclpy() -> bool:
 def _graph(namespace: str, port: str) -> Iterator[Finding]:
     from bahrs_driver.doctor import graph       # needs ROS, and the doctor must run without
     import rclpy
-    rclpy.init(args=[])
+    from rclpy.signals import SignalHandlerOptions
+    # ROS's own handlers would shut down beside us, from another thread.
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     try:
         yield from graph.look(
             rclpy.create_node(f'bahrs_doctor_{os.getpid()}', namespace=namespace), port)

@@ -13,7 +13,7 @@ from bahrs_driver.monitor.page import Page
 from bahrs_driver.monitor.tables import record, tables
 from bahrs_driver.monitor.watch import Watch
 import rclpy
-from rclpy.executors import ExternalShutdownException
+from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.live import Live
 
@@ -45,7 +45,8 @@ def run(options: argparse.Namespace) -> int:
     """Watch until the time is up or Ctrl-C; 1 if no driver was heard."""
     namespace = checked_namespace(options.namespace)
     check_domain()
-    rclpy.init(args=[])
+    # ROS's own handlers would shut down beside us, from another thread.
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node(f'bahrs_monitor_{os.getpid()}', namespace=namespace)
     watch, console = Watch(node), Console()
     end = math.inf if options.duration is None else time.monotonic() + options.duration
@@ -54,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
             _show(watch, console, end)
         else:
             _listen(watch, end)
-    except (KeyboardInterrupt, ExternalShutdownException):
+    except KeyboardInterrupt:
         pass
     finally:
         rclpy.try_shutdown()
