@@ -78,16 +78,21 @@ class PacedRun:
         return HostTime(self._zero_ns, time.time_ns() - time.monotonic_ns() + self._zero_ns)
 
     def run(self, session: Session, duration: float = math.inf) -> None:
-        """Go on for some seconds, or until the session or end() ends it."""
-        ready: set[int] = set()
-        while not self._ended and (now := self._now()) < duration:
-            self._move_on(session, now, ready)
-            self._ended |= session.emulation.ended
+        """
+        Go on until so many seconds after the start, or until the session or end() ends it.
+
+        However late the process is, all that is due by then is done.
+        """
+        now = -math.inf
+        while not self._ended and now < duration:
             due = min(session.next_time, duration)
             bytes_due = session.emulation.cable.next_time <= due
             ready = self._wait(due - _WATCH if bytes_due else due)
             if bytes_due and not ready:
                 self._hand_over(session.emulation.take(self._watched(due)))
+            now = min(self._now(), duration)
+            self._move_on(session, now, ready)
+            self._ended |= session.emulation.ended
 
     def close(self) -> None:
         """Take the port away."""
@@ -108,7 +113,8 @@ class PacedRun:
 
     def _move_on(self, session: Session, now: float, ready: set[int]) -> None:
         zero = self.host_time()
-        self._try(session.advance, now, zero)
+        while not self._try(session.advance, now, zero):
+            pass                # what follows a wrong line of a scenario is due, too
         if self._control.descriptor in ready:
             for line in self._control.lines():
                 self._try(session.command, line, now, zero)
@@ -121,11 +127,13 @@ class PacedRun:
         if self._port:
             self.lost += len(data) - self._port.write_at_once(data)
 
-    def _try(self, action: Callable[..., None], *arguments: object) -> None:
+    def _try(self, action: Callable[..., None], *arguments: object) -> bool:
         try:
             action(*arguments)
         except ControlError as error:
             self._complain(str(error))
+            return False
+        return True
 
     def _follow_plug(self, plugged: bool) -> None:
         if not plugged:
