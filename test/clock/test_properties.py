@@ -29,7 +29,7 @@ reads = st.tuples(st.integers(0, 3 * 10 ** 9), st.integers(-10 ** 9, 10 ** 9),
                   st.lists(messages, max_size=20))
 
 
-@settings(derandomize=True, deadline=None, max_examples=300)
+@settings(max_examples=300)
 @given(st.lists(reads, max_size=40))
 def test_nothing_that_comes_raises_or_breaks_the_promises(all_reads):
     """Any messages, at any times, on a host whose clock jumps about."""
@@ -50,7 +50,7 @@ def test_nothing_that_comes_raises_or_breaks_the_promises(all_reads):
 rates = st.sampled_from([0.0, 0.003, 0.01])
 
 
-@settings(derandomize=True, deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(seed=st.integers(0, 10 ** 6), adapter=st.sampled_from([0.016, 0.001, 'packets', 'plain']),
        drift=st.floats(-200, 200), label=st.sampled_from([0, 1]), loss=rates, bad_counters=rates,
        bad_times=rates, duplicates=rates, swaps=rates)

@@ -3,7 +3,7 @@
 """Tests of the standard atmosphere, against its published tables."""
 
 from bahrs_driver.convert.atmosphere import pressure, pressure_gradient, pressure_height
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 import pytest
 
 
@@ -15,7 +15,6 @@ def test_pressure_is_that_of_the_tables(height, expected):
     assert pressure(height) == pytest.approx(expected, rel=3e-6)
 
 
-@settings(derandomize=True, deadline=None)
 @given(st.floats(-6500, 10999))
 def test_height_and_pressure_are_each_others_inverse(height):
     """To a micrometre, over all heights that a device can send."""

@@ -13,7 +13,7 @@ from bahrs_driver.convert.axes import (
     Quaternion,
     quaternion_from_euler,
 )
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 import pytest
 
 angles = st.floats(-math.pi, math.pi)
@@ -55,7 +55,6 @@ def test_attitude_in_ned_becomes_attitude_in_enu(ned, expected):
         assert math.remainder(a - b, 360) == pytest.approx(0, abs=1e-9)
 
 
-@settings(derandomize=True, deadline=None)
 @given(angles, angles, angles, st.tuples(*[st.floats(-10, 10)] * 3))
 def test_a_body_vector_reaches_the_same_place_either_way(roll, pitch, yaw, vector):
     """Turning in NED and renaming the axes is renaming the axes and turning in ENU."""
@@ -65,7 +64,6 @@ def test_a_body_vector_reaches_the_same_place_either_way(roll, pitch, yaw, vecto
     assert through_enu == pytest.approx(through_ned, abs=1e-9)
 
 
-@settings(derandomize=True, deadline=None)
 @given(angles, angles, angles)
 def test_quaternions_have_unit_length(roll, pitch, yaw):
     """In both conventions."""

@@ -6,7 +6,7 @@ import math
 
 from bahrs_driver.convert.axes import CONVENTIONS, flu_to_enu, quaternion_from_euler
 from bahrs_driver.convert.magnetic import derived_field, rotation_to_body
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 import numpy as np
 import pytest
 
@@ -38,7 +38,6 @@ def test_heading_computed_from_the_field_is_the_heading():
     assert math.atan2(-level_y, level_x) % (2 * math.pi) == pytest.approx(heading)
 
 
-@settings(derandomize=True, deadline=None)
 @given(*[st.floats(-math.pi, math.pi)] * 3)
 def test_rotation_is_the_inverse_of_the_quaternions(roll, pitch, heading):
     """The matrix here and the quaternion in axes are the same attitude."""

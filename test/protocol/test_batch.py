@@ -15,7 +15,7 @@ from bahrs_driver.protocol.layout import (
     integer, integers, Layout, real, reals, scaled, text, Vector, vector, wire,
 )
 from bahrs_driver.protocol.titan_frames import LAYOUTS as TITAN_LAYOUTS
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 import numpy as np
 from shared_files import shared_file
 
@@ -53,7 +53,6 @@ def check(layout, payloads, array):
             assert same(getattr(message, item.name), row[item.name]), item.name
 
 
-@settings(deadline=None)            # the first of a row decodes all values that there are
 @given(layout=st.sampled_from([*LAYOUTS, Layout(Strange), Layout(Strange, byte_order='>')]),
        data=st.data())
 def test_any_bytes_are_read_as_the_codec_reads_them(layout, data):
