@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of sessions on a link that somebody else reads."""
 
+import contextlib
 import gc
+import queue
 import threading
 import time
 import tracemalloc
@@ -16,18 +18,35 @@ from processes import wait_for
 import pytest
 
 IMAGE = bytes(index * 13 % 256 for index in range(8000))
+LONG = 60.0             # s, for what should be at once
 
 
 class Device:
-    """A link with a device at its end; whoever reads the link hands over its answers."""
+    """A link with a device at its end; who reads the link hands over its answers, in order."""
 
     def __init__(self, **habits):
         """Answer at once, unless told to be silent."""
-        self._mode = DiagnosticsMode(ServiceHabits(image=IMAGE, **habits))
+        self._mode = DiagnosticsMode(ServiceHabits(image=IMAGE, timeout=LONG, **habits))
         self._codec = BahrsCodec()
-        self.reader = NvmReader(self, lambda: 3, enter_timeout=1.0)
+        self._answers = queue.Queue()
+        self._receiver = threading.Thread(target=self._receive)
+        self.reader = NvmReader(self, lambda: 3, enter_timeout=LONG)
         self.silent = False
         self.broken = False
+
+    def _receive(self):
+        for answer in iter(self._answers.get, None):
+            self.reader.receive(*answer)
+
+    def __enter__(self):
+        """Begin to read the link."""
+        self._receiver.start()
+        return self
+
+    def __exit__(self, *_):
+        """Read no more."""
+        self._answers.put(None)
+        self._receiver.join()
 
     def write(self, data):
         """Take what the host sends."""
@@ -37,12 +56,19 @@ class Device:
             return
         for message in self._mode.receive(data, time.monotonic()):
             frame = Frame(0, self._codec.encode(message, 3), 'crc32')
-            threading.Timer(0.0, self.reader.receive, (message, frame)).start()
+            self._answers.put((message, frame))
 
     @property
     def active(self):
         """Whether the device is in diagnostics mode."""
         return self._mode.active(time.monotonic())
+
+
+@pytest.fixture
+def made():
+    """Give a function that makes a device."""
+    with contextlib.ExitStack() as stack:
+        yield lambda **habits: stack.enter_context(Device(**habits))
 
 
 @pytest.fixture
@@ -68,24 +94,24 @@ def in_background():
         thread.join()
 
 
-def test_pages():
+def test_pages(made):
     """By number."""
-    device = Device()
+    device = made()
     assert device.reader.read([3, 249]) == {3: IMAGE[96:128], 249: IMAGE[-32:]}
     assert not device.active and not device.reader.busy
 
 
-def test_failure_has_its_reason():
+def test_failure_has_its_reason(made):
     """And leaves the reader as it was."""
-    device = Device(error_pages=frozenset({1}))
+    device = made(error_pages=frozenset({1}))
     with pytest.raises(NvmError, match='cannot read page 1'):
         device.reader.read([1])
     assert device.reader.read([2]) == {2: IMAGE[64:96]}
 
 
-def test_only_one_at_a_time(in_background):
+def test_only_one_at_a_time(made, in_background):
     """The second is refused at once; the first goes on until it is cancelled."""
-    device = Device()
+    device = made()
     device.silent = True
     result, thread = in_background(device)
     with pytest.raises(NvmError, match='another NVM request is under way'):
@@ -97,9 +123,9 @@ def test_only_one_at_a_time(in_background):
     assert not device.reader.cancel() and device.reader.status == 'none'
 
 
-def test_lost_link(in_background):
+def test_lost_link(made, in_background):
     """Whoever waits is told at once."""
-    device = Device()
+    device = made()
     device.silent = True
     result, thread = in_background(device)
     device.reader.lost('/dev/ttyUSB0 is gone')
@@ -107,17 +133,17 @@ def test_lost_link(in_background):
     assert result == {'error': '/dev/ttyUSB0 is gone'}
 
 
-def test_link_that_takes_no_data():
+def test_link_that_takes_no_data(made):
     """The reason is that of the link."""
-    device = Device()
+    device = made()
     device.broken = True
     with pytest.raises(NvmError, match='the port is gone'):
         device.reader.read([0])
 
 
-def test_an_exception_does_not_leave_the_device_in_its_mode():
+def test_an_exception_does_not_leave_the_device_in_its_mode(made):
     """Ctrl-C is one: the device is told to leave before it goes on."""
-    device = Device()
+    device = made()
 
     def interrupt(session):
         if len(session.pages) == 5:
@@ -128,17 +154,17 @@ def test_an_exception_does_not_leave_the_device_in_its_mode():
     assert not device.active and not device.reader.busy
 
 
-def test_a_thousand_sessions_leak_nothing():
+def test_a_thousand_sessions_leak_nothing(made):
     """No thread, and no memory to speak of."""
-    device = Device()
+    device = made()
     for _ in range(20):
         device.reader.read([0])
     gc.collect()
     tracemalloc.start()
-    before = tracemalloc.get_traced_memory()[0]
+    before, threads = tracemalloc.get_traced_memory()[0], threading.active_count()
     for number in range(1000):
         assert len(device.reader.read([number % 250])) == 1
-    assert wait_for(lambda: threading.active_count() < 20)
+    assert threading.active_count() <= threads
     gc.collect()
     grown = tracemalloc.get_traced_memory()[0] - before
     tracemalloc.stop()
