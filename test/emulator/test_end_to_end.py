@@ -103,6 +103,19 @@ def test_what_is_published_is_the_truth(flown, convention):
     assert any((a - math.pi) * (b - math.pi) < 0 for a, b in zip(headings, headings[1:]))
 
 
+def places(found, true):
+    """Return where in the truth the headings are that were found, as long as they are in order."""
+    positions = []
+    for heading in found:
+        rest = range(positions[-1] + 1 if positions else 0, len(true))
+        near = (index for index in rest if abs(math.remainder(true[index] - heading, 360)) <= 0.01)
+        position = next(near, None)
+        if position is None:
+            break
+        positions.append(position)
+    return positions
+
+
 def test_what_a_subscriber_hears_is_the_truth(tmp_path):
     """The same through a port, the node and the middleware, as processes."""
     link, truth_file = str(tmp_path / 'port'), tmp_path / 'truth.jsonl'
@@ -118,10 +131,10 @@ def test_what_a_subscriber_hears_is_the_truth(tmp_path):
     true = [math.degrees(line['magnetic_heading']) for line in lines
             if line['message'] == 'navigation']
     found = [message.data for message in heard['heading'] if not math.isnan(message.data)]
-    start = min(range(len(true)),
-                key=lambda index: abs(math.remainder(true[index] - found[0], 360.0)))
-    for ours, theirs in zip(found, true[start:]):
-        assert abs(math.remainder(ours - theirs, 360.0)) <= 0.01
+    positions = places(found, true)
+    # Who sleeps for longer than the driver's queue is long misses what came meanwhile, no more.
+    gaps = sum(after - before > 1 for before, after in zip(positions, positions[1:]))
+    assert found and len(positions) == len(found) and gaps <= 10
     inertial = next(line for line in lines if line['message'] == 'inertial')
     for message in heard['imu/data_raw']:
         assert worst_vector(message.linear_acceleration, inertial['specific_force'], FORCE,

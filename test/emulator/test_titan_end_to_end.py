@@ -29,6 +29,7 @@ START = (-0.04, 6.03)           # degrees; the flight crosses the equator and 6 
 SLOW = {SensorsRequest: 2.0, StateRequest: 2.0, GpsRequest: 2.0}
 HALF = 0.5001                   # quantum
 ONE_IN_A_HUNDRED = {'bit_flip': 0.01 / 56}      # of bytes, of 56 in an answer
+MESSAGES = ('gps', 'state', 'sensors')
 NS = 10 ** 9
 SPHERE = 6_378_137.0
 
@@ -191,6 +192,12 @@ def test_a_device_that_is_switched_off_and_on_is_asked_again():
     assert polled.poller.answered.total() - before > 0.9 * 110 * 4
 
 
+def counted(ear):
+    """Return the values of the latest status of the task Requests, if there is any yet."""
+    latest = status(ear, 'Requests')
+    return {pair.key: pair.value for pair in latest.values} if latest else {}
+
+
 def test_what_subscribers_hear_is_the_truth(tmp_path):
     """The node as a process, with one answer in a hundred damaged: values and counts."""
     link, truth_file = str(tmp_path / 'port'), tmp_path / 'truth.jsonl'
@@ -199,19 +206,21 @@ def test_what_subscribers_hear_is_the_truth(tmp_path):
                      '--motion', 'steady-turn', '--start', '0,6', '--sensors-len', '0x2E',
                      '--payload-order', 'big', '--noise', 'angular_rate=0',
                      '--fault', f'bit_flip={0.01 / 56}', '--truth', str(truth_file)) as emulator:
-            assert wait_for(lambda: emulator.lines, 30)
+            assert wait_for(lambda: emulator.lines)
             with driver(link, sensor='titan_m') as node:
                 for topic in TOPICS:
-                    ear.wait(topic, timeout=60)
-                ear.wait('fix', 60, timeout=60)
+                    ear.wait(topic)
+                ear.wait('fix', 60)
+                assert wait_for(lambda: all(int(counted(ear).get(f'{name} answered', 0))
+                                            for name in MESSAGES)), node.text
                 assert node.alive and len(node.lines) == 1, node.text
-                values = {pair.key: pair.value for pair in status(ear, 'Requests').values}
+                values = counted(ear)
                 assert node.end() == 0
             emulator.end()
         heard = {topic: list(messages) for topic, messages in ear.heard.items()}
     lines = [json.loads(line) for line in truth_file.read_text().splitlines()]
     true = {name: [line for line in lines if line['message'] == name]
-            for name in ('gps', 'state', 'sensors')}
+            for name in MESSAGES}
     for fix in heard['fix']:
         across, up = min(metres(fix, line) for line in true['gps'])
         assert across < 0.02 and up < 0.0051
