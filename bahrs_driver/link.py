@@ -145,6 +145,8 @@ class Link:
         self._serial.timeout = 0
         try:
             return first + bytes(self._serial.read(SOCKET_CHUNK))
+        except OSError:             # the other end has closed; the next read will say so
+            return first
         finally:
             self._serial.timeout = READ_TIMEOUT
 

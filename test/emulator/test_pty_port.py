@@ -29,7 +29,7 @@ def test_bytes_go_both_ways_unchanged():
         port.write(everything)
         assert os.read(far, 4096) == everything
         os.write(far, everything)
-        assert port.read(1.0) == everything
+        assert port.read(60.0) == everything
         assert port.read() == b''
 
 
@@ -52,7 +52,7 @@ def test_it_waits_for_somebody():
     with PtyPort() as port, contextlib.ExitStack() as stack:
         timer = threading.Timer(0.05, lambda: stack.enter_context(opened(port.path)))
         timer.start()
-        assert port.wait_until_open(10.0)
+        assert port.wait_until_open(60.0)
         timer.join()
 
 
