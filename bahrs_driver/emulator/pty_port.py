@@ -90,10 +90,11 @@ class PtyPort:
         """Take the port away, as unplugging an adapter does; once it is, nothing happens."""
         if self._fd < 0:
             return
-        os.close(self._fd)
-        self._fd = -1
+        # The link first: once the port is closed, its path may be that of somebody else's.
         if self._link and self._link.is_symlink() and os.readlink(self._link) == self.path:
             self._link.unlink()
+        os.close(self._fd)
+        self._fd = -1
 
     def __enter__(self) -> 'PtyPort':
         """Return the port itself."""
