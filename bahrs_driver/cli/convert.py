@@ -37,8 +37,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
         'Make all topics of the driver anew, from the bytes that the device sent. Stamps are\n'
-        'better than those of the flight, for what came later tells of them, too. Log times\n'
-        'are the stamps.')
+        'better than those of the flight, for what came later tells of them, too; those of a\n'
+        'Titan-M are arrival times, for requests are not recorded. Log times are the stamps.')
     parser.epilog = _EXAMPLES
     parser.add_argument('input', metavar='IN',
                         help='bag that holds the topic raw, or file of bytes')
@@ -122,6 +122,9 @@ def _settings(options: argparse.Namespace, sensor: str) -> Mapping[str, Any]:
         except yaml.YAMLError as error:
             raise CommandError(f'-p {text}: {value!r} is no value of YAML: put quotes around a '
                                'text that has brackets or colons') from error
+        if settings[name] != LISTENING.get(sensor, {}).get(name, settings[name]):
+            raise CommandError(f'-p {text}: it can only be 0, for nothing is asked of what was '
+                               'recorded')
     return settings
 
 

@@ -11,7 +11,7 @@ The document speaks of velocity north and east and of heading, and of UTM only f
 So they are taken to be from true north, and the convergence of the grid does not come in.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 import math
 from typing import Any, NamedTuple
@@ -26,7 +26,9 @@ from bahrs_driver.convert.utm import to_wgs84
 from bahrs_driver.protocol.layout import Vector
 from bahrs_driver.protocol.payload_order import PayloadReader
 from bahrs_driver.protocol.titan_frames import Answer
-from bahrs_driver.protocol.titan_m import ADC_FORCE, ADC_RATE_DEG, Gps, Sensors, State
+from bahrs_driver.protocol.titan_m import (
+    ADC_FORCE, ADC_RATE_DEG, Gps, Sensors, State, TitanAnswer,
+)
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import (
@@ -49,6 +51,7 @@ TOPICS: dict[str, type] = {
 }
 LATCHED: set[str] = set()
 
+ABSENT_NS = 2_000_000_000       # after which an answer that never came is not asked for
 TOGETHER_NS = 25_000_000        # a sensor answer and a state answer that make one imu/data
 TIME_SOURCE = 'gps'
 ADC_RATE = math.radians(ADC_RATE_DEG)   # rad/s
@@ -86,8 +89,8 @@ class TitanOptions:
     geoid_height: float
     gps_week: int
     leap_seconds: int
-    state_is_asked: bool        # or velocity is that of the GPS
-    gps_is_asked: bool          # and tells whether there was a fix
+    # Velocity is that of the GPS without a state, and only the GPS tells whether there was a fix.
+    asked: Collection[type[TitanAnswer]] | None     # None: others ask, and what comes will tell
 
 
 class _Sample(NamedTuple):
@@ -130,6 +133,7 @@ class TitanConverter:
         """
         if isinstance(message, Answer) and message.wanted:
             for known, stamp in self._reader.read(message.kind, message.payload, stamp_ns):
+                self._heard.setdefault(type(known), stamp)
                 yield from self._handlers[type(known)](known, stamp)
 
     @property
@@ -142,6 +146,13 @@ class TitanConverter:
         self._sample: _Sample | None = None
         self._had_fix = False
         self._gps_text = 'not heard'
+        self._heard: dict[type, int] = {}       # stamp of the first answer of each kind
+
+    def _comes(self, kind: type[TitanAnswer], stamp_ns: int) -> bool:
+        """Whether answers of a kind come, as far as can be known now."""
+        if self._options.asked is not None:
+            return kind in self._options.asked
+        return kind in self._heard or stamp_ns - min(self._heard.values()) < ABSENT_NS
 
     def _sensors(self, message: Sensors, stamp_ns: int) -> Outgoing:
         options, deviations = self._options, self._options.deviations
@@ -178,7 +189,7 @@ class TitanConverter:
         if _finite(message.velocity_ned):
             yield 'velocity', self._twist(message.velocity_ned, stamp_ns)
         if rotation and _finite(message.position_ned + message.velocity_ned) \
-                and (self._had_fix or not options.gps_is_asked):
+                and (self._had_fix or not self._comes(Gps, stamp_ns)):
             yield 'odometry', self._odometry(message, rotation, stamp_ns)
         yield 'heading', ros.number(math.degrees(heading) % 360.0 if known else math.nan)
 
@@ -191,7 +202,7 @@ class TitanConverter:
             options.deviations.altitude)
         if place:
             self._had_fix = True
-            if not options.state_is_asked:
+            if not self._comes(State, stamp_ns):
                 yield 'velocity', self._twist(message.velocity_ned, stamp_ns)
         self._gps_text = f"fix in zone {message.zone} {'north' if message.northern else 'south'}" \
             if place else 'no fix'

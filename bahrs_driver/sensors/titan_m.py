@@ -44,7 +44,7 @@ def titan_m(settings: Mapping[str, Any], link: Link) -> Sensor:
     if requester:
         frame_format.expected = requester.expected
     reader = PayloadReader[int](settings['payload_order'])
-    converter = TitanConverter(_options(settings), reader)
+    converter = TitanConverter(_options(settings, rates), reader)
     asked = {kind.ANSWER.NAME: rate for kind, rate in rates.items() if rate or not requester}
     longest_pause = PAUSES / max(rates.values()) if requester else 0.0
     health = TitanHealth(
@@ -95,7 +95,8 @@ def _warnings(settings: Mapping[str, Any],
                f"line carries at {settings['baud_rate']} baud: the rates will be lower")
 
 
-def _options(settings: Mapping[str, Any]) -> TitanOptions:
+def _options(settings: Mapping[str, Any],
+             rates: Mapping[type[TitanRequest], float]) -> TitanOptions:
     return TitanOptions(
         frame_id=settings['frame_id'],
         world_frame_id=settings['world_frame_id'],
@@ -112,5 +113,4 @@ def _options(settings: Mapping[str, Any]) -> TitanOptions:
         geoid_height=settings['gps.geoid_height'],
         gps_week=settings['gps.week'],
         leap_seconds=settings['gps.leap_seconds'],
-        state_is_asked=bool(settings['state.rate']) or not settings['gps.rate'],
-        gps_is_asked=bool(settings['gps.rate']) or not settings['state.rate'])
+        asked={kind.ANSWER for kind, rate in rates.items() if rate} or None)

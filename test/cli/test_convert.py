@@ -10,6 +10,7 @@ from bahrs_driver.convert import raw
 from bahrs_driver.convert.bahrs import TOPICS
 from bahrs_driver.emulator.pty_port import PtyPort
 from bahrs_driver.recording.bag_output import BagWriter
+from bahrs_driver.recording.origin import Origin
 from bahrs_driver.recording.serialization import serialized
 from bahrs_driver.recording.topics import Topic
 from devices import Device
@@ -170,6 +171,15 @@ def test_what_is_refused(byte_file, tmp_path, words, status, sentence):
     found, text = convert(*(names.get(word, word) for word in words))
     assert found == status and sentence in text
     assert {path.name for path in tmp_path.iterdir()} == {'flight.bin', 'noise'}
+
+
+def test_rates_of_requests_are_refused_for_what_was_recorded(tmp_path):
+    """With one, every answer would be one that nobody waits for."""
+    with BagWriter(tmp_path / 'bag') as bag:
+        bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
+        bag.write('/raw', 1, serialized(raw.message(b'x', Origin('titan_m', 1, 0, 1, 1).label())))
+    status, text = convert(tmp_path / 'bag', tmp_path / 'out', '-p', 'gps.rate:=10')
+    assert status == 1 and '-p gps.rate:=10: it can only be 0' in text
 
 
 def test_a_topic_that_is_not_there(tmp_path):

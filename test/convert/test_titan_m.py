@@ -7,7 +7,7 @@ import math
 
 from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.titan_m import (
-    TitanConverter, TitanDeviations, TitanOptions, TOGETHER_NS, TOPICS,
+    ABSENT_NS, TitanConverter, TitanDeviations, TitanOptions, TOGETHER_NS, TOPICS,
 )
 from bahrs_driver.protocol.payload_order import PayloadReader
 from bahrs_driver.protocol.titan_frames import Answer
@@ -30,7 +30,7 @@ def converter(convention='enu', order='little', **options):
     """Return a converter with literal options."""
     return TitanConverter(replace(TitanOptions(
         'imu', 'map', CONVENTIONS[convention], DEVIATIONS, declination=0.0, geoid_height=0.0,
-        gps_week=0, leap_seconds=18, state_is_asked=True, gps_is_asked=False), **options),
+        gps_week=0, leap_seconds=18, asked={State, Sensors}), **options),
         PayloadReader(order))
 
 
@@ -138,7 +138,7 @@ def test_fix():
 @pytest.mark.parametrize('zone', [0, 61, 255])
 def test_an_invalid_zone_is_no_fix(zone):
     """With no position that anybody could take for one."""
-    parts = converter(state_is_asked=False)
+    parts = converter(asked={Gps, Sensors})
     out = told(parts, replace(GPS, zone=zone))
     assert set(out) == {'fix', 'time_reference'}
     assert out['fix'].status.status == NavSatStatus.STATUS_NO_FIX
@@ -151,13 +151,13 @@ def test_an_invalid_zone_is_no_fix(zone):
 
 def test_velocity_of_the_gps_where_the_state_is_not_asked_for():
     """Centimetres a second are enough then."""
-    out = told(converter(state_is_asked=False), GPS)
+    out = told(converter(asked={Gps, Sensors}), GPS)
     assert xyz(out['velocity'].twist.twist.linear) == (2.0, 1.0, -3.0)
 
 
 def test_odometry_begins_with_the_first_fix():
     """Before, the position is relative to nothing; without GPS nobody can tell."""
-    parts = converter(gps_is_asked=True)
+    parts = converter(asked={State, Gps})
     assert 'odometry' not in told(parts, STATE)
     told(parts, replace(GPS, zone=0))
     assert 'odometry' not in told(parts, STATE)
@@ -165,6 +165,21 @@ def test_odometry_begins_with_the_first_fix():
     assert 'odometry' in told(parts, STATE)
     parts.lost(STAMP)
     assert 'odometry' not in told(parts, STATE)
+
+
+def test_where_others_ask_what_comes_tells_what_to_make_of_it():
+    """A flight whose GPS, or whose state, was not asked for is converted as it was published."""
+    late = STAMP + ABSENT_NS
+    parts = converter(asked=None)
+    assert 'velocity' not in told(parts, GPS)               # a state may yet come
+    assert 'velocity' in told(parts, GPS, late)
+    assert 'odometry' in told(parts, STATE, late)
+    assert 'velocity' not in told(parts, GPS, late + MS)    # it has come
+    parts.lost(late)
+    assert 'odometry' not in told(parts, STATE)             # nor is there a fix yet
+    assert 'odometry' in told(parts, STATE, late)
+    told(parts, replace(GPS, zone=0), late)
+    assert 'odometry' not in told(parts, STATE, late + MS)
 
 
 def test_what_is_unknown_in_odometry_is_not_taken_for_certain():

@@ -10,6 +10,7 @@ from bahrs_driver.link import Link
 from bahrs_driver.parameters import defaults
 from bahrs_driver.protocol.bahrs import InertialTime
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec
+from bahrs_driver.protocol.titan_m import StateRequest
 from bahrs_driver.recording.capture import Capture, Chunk, read_capture
 from bahrs_driver.recording.conversion import Conversion
 from bahrs_driver.sensors import LISTENING, SENSORS
@@ -197,6 +198,16 @@ def test_arrival_stamps(tmp_path):
     kept, _ = converted(Pieces(chunks, tmp_path), **{'time.source': 'arrival'})
     late = [stamp - true for stamp, true in zip(stamps(kept), truth)]
     assert len(late) > 400 and max(late) - min(late) > 5_000_000
+
+
+def test_a_flight_without_gps_has_its_odometry_again(tmp_path):
+    """Nobody recorded what was asked; what came tells."""
+    polled = PolledDevice(rates={StateRequest: 20.0})
+    polled.run(4.0)
+    chunks = [Chunk(data, ORIGIN + round(time * S), round(time * S))
+              for time, data in polled.chunks]
+    kept, _ = converted(Pieces(chunks, tmp_path), sensor='titan_m')
+    assert len(kept.messages['velocity']) > 70 and len(kept.messages['odometry']) > 30
 
 
 def test_answers_of_which_the_requests_are_not_known(tmp_path):
