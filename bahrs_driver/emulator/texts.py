@@ -34,5 +34,5 @@ def known(name: str, what: str, names: Iterable[str]) -> str:
 
 def _limits(low: float, high: float) -> str:
     if math.isinf(high):
-        return '' if math.isinf(low) else f' of at least {low:g}'
-    return f' from {low:g} to {high:g}'
+        return '' if math.isinf(low) else f' of at least {low:.12g}'
+    return f' from {low:.12g} to {high:.12g}'
