@@ -9,6 +9,7 @@ What the adapter and the host hold back is still in them.
 from collections.abc import Iterable
 from typing import Any
 
+from bahrs_driver.clock.host import HostClocks, step_sentence
 from bahrs_driver.clock.interface import Instant, Stamped, TimeState
 from bahrs_driver.clock.units import NANOSECONDS
 from bahrs_driver.protocol.framing import Frame
@@ -50,18 +51,26 @@ class ArrivalStamps:
     def __init__(self, fixed_latency: int = 0) -> None:
         """Take what to subtract from every stamp, in ns."""
         self._fixed_latency = fixed_latency
+        self._host = HostClocks()
+        self._notices: list[str] = []
         self._now = Instant(0, 0)
         self._received = 0
         self.begin(0)
 
     def begin(self, byte_time: int) -> None:
         """Take note that another stream begins."""
+        self._byte_time = byte_time
         self._clock = ArrivalClock(byte_time)
 
     def read(self, now: Instant, received: int) -> None:
         """Take the moment of a read, and how many bytes of the stream there are with it."""
         self._now = now
         self._received = received
+        step = self._host.read(now)
+        if step:
+            self._notices.append(step_sentence(step))
+        if step < 0:                # followed at once
+            self._clock = ArrivalClock(self._byte_time)
 
     def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
         """Return all messages, each with its arrival."""
@@ -77,9 +86,11 @@ class ArrivalStamps:
         """Do nothing: arrival has nothing to do with pulses."""
 
     def take_notices(self) -> list[str]:
-        """Return nothing: nothing can happen to arrival stamps."""
-        return []
+        """Return what the user should be told since the last call, a sentence each."""
+        notices, self._notices = self._notices, []
+        return notices
 
     def state(self) -> TimeState:
         """Return that stamps are arrivals."""
-        return TimeState('arrival', 'arrival')
+        return TimeState('arrival', 'arrival', host_steps=self._host.steps,
+                         last_host_step_s=self._host.last_step_ns / NANOSECONDS)

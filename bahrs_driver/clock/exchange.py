@@ -14,7 +14,7 @@ from statistics import median_low
 from typing import Any
 
 from bahrs_driver.clock.bounds import ByteBounds
-from bahrs_driver.clock.host import HostClocks
+from bahrs_driver.clock.host import HostClocks, step_sentence
 from bahrs_driver.clock.interface import Instant, Stamped, TimeState
 from bahrs_driver.clock.output import Output
 from bahrs_driver.clock.units import MICROSECOND, NANOSECONDS
@@ -59,7 +59,7 @@ class ExchangeClock:
         if step < 0:
             self._output.allow_backward()
         if step:
-            self._notices.append(f"the host's clock was set by {step / NANOSECONDS:+.6f} s")
+            self._notices.append(step_sentence(step))
 
     def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
         """Return all messages, each with its stamp."""

@@ -8,10 +8,15 @@ in at the very end, so that doing so to it costs nothing.
 """
 
 from bahrs_driver.clock.interface import Instant
-from bahrs_driver.clock.units import MILLISECOND
+from bahrs_driver.clock.units import MILLISECOND, NANOSECONDS
 
 STEP = MILLISECOND / 2      # ns; a change above this, and above the fastest slew, is a step
 FASTEST_SLEW = 0.1          # what chrony and adjtime do is below
+
+
+def step_sentence(step: int) -> str:
+    """Return what the user should be told of a step of ROS time by so many ns."""
+    return f"the host's clock was set by {step / NANOSECONDS:+.6f} s"
 
 
 class HostClocks:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from bahrs_driver.clock.bounds import ByteBounds
 from bahrs_driver.clock.device_time import DeviceTime, Verdict
-from bahrs_driver.clock.host import HostClocks
+from bahrs_driver.clock.host import HostClocks, step_sentence
 from bahrs_driver.clock.interface import Instant, Stamped, TimeState
 from bahrs_driver.clock.options import ClockOptions
 from bahrs_driver.clock.output import IMPOSSIBLE, Output
@@ -94,7 +94,9 @@ class SampleClock:
         self._bounds.read(now.raw_ns, received)
         step = self._host.read(now)
         if step:
-            self._note_step(step)
+            self._notices.append(step_sentence(step))
+        if step < 0:
+            self._output.allow_backward()
 
     def pulse_reference(self, ros_ns: int) -> None:
         """Take the ROS time of a pulse from who knows it. May be called from any thread."""
@@ -269,11 +271,6 @@ class SampleClock:
         if changed:
             self._output.hurry()
             self._notices.append(changed)
-
-    def _note_step(self, step: int) -> None:
-        if step < 0:
-            self._output.allow_backward()
-        self._notices.append(f"the host's clock was set by {step / NANOSECONDS:+.6f} s")
 
     def state(self) -> TimeState:
         """Return how stamps are made at present."""

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the arrival clock, with literal pairs."""
 
-from bahrs_driver.clock import ArrivalClock, byte_time_ns
+from bahrs_driver.clock import ArrivalClock, ArrivalStamps, byte_time_ns, Instant
+from bahrs_driver.protocol.framing import Frame
 import pytest
 
 
@@ -39,3 +40,14 @@ def test_a_host_clock_that_is_set_back_is_followed():
     clock = ArrivalClock(0)
     pairs = [(9_000_000_000, 0), (7_000_000_000, 0), (7_000_000_001, 0)]
     assert [clock.stamp(*pair) for pair in pairs] == [time for time, _ in pairs]
+
+
+def test_a_step_of_the_host_is_told_and_followed_at_once():
+    """Backward by half a second, too: stamps are what the host's clock says."""
+    clock, stamps = ArrivalStamps(), []
+    for index, (raw, ros) in enumerate([(0, 9_000), (10, 9_010), (20, 8_520), (30, 8_530)]):
+        clock.read(Instant(raw * 1_000_000, ros * 1_000_000), index + 1)
+        stamps += clock.stamp([('message', Frame(index + 1, b'', 'word'))])
+    assert [item.stamp_ns // 1_000_000 for item in stamps] == [9_000, 9_010, 8_520, 8_530]
+    assert clock.take_notices() == ["the host's clock was set by -0.500000 s"]
+    assert clock.take_notices() == [] and clock.state().host_steps == 1
