@@ -6,7 +6,7 @@ Every stamp of a BAHRS: where the rooms of this package come together.
 At each read all messages are looked at first, so that every bound is in the estimate before the
 first stamp is made. A sample then gets its stamp if the device's time is known. Until it is,
 samples wait in order, 60 of them at most: that is what comes until the third time message. If it
-takes longer they get the time of their arrival. Messages that are no samples do not wait.
+takes longer, or without samples, they get that of their arrival.
 """
 
 from collections import deque
@@ -34,6 +34,7 @@ from bahrs_driver.protocol.bahrs import (
 from bahrs_driver.protocol.framing import Frame
 
 MOST_HELD = 60          # inertial samples
+MOST_WAITING = 2 * MOST_HELD        # messages of all kinds
 LONGEST_AGO = 10 * NANOSECONDS      # that a message may tell of
 SETTLING = 2 * NANOSECONDS          # after which an epoch is the rule, and its end worth a word
 CHUNKS = 99             # reads whose size is remembered
@@ -215,7 +216,8 @@ class SampleClock:
         """Stamp what waits, unless it must wait on."""
         waiting = self._waiting
         if not self._device.known and self._patient:
-            if sum(type(item.message) is Inertial for item in waiting) <= MOST_HELD:
+            samples = sum(type(item.message) is Inertial for item in waiting)
+            if samples <= MOST_HELD and len(waiting) <= MOST_WAITING:
                 return
             self._stop_doubting()
             self._patient = self._device.known
