@@ -46,6 +46,11 @@ class SampleCounter:
         """Whether a frame with this bound comes after so long a time that turns may be lost."""
         return self.started and bound - self._bound > LONGEST_SILENCE
 
+    def may_have_turned(self, sequence: int, latest: int | None) -> bool:
+        """Whether the highest count that a frame can have leaves room for a turn that was lost."""
+        ahead = (sequence - self._sequence) % MODULUS
+        return latest is not None and self._trusted + ahead + MODULUS <= latest
+
     def follow(self, sequence: int, bound: int) -> bool:
         """Take the next frame if it follows on the latest, as nearly all do; return whether."""
         if self._doubts or sequence != (self._sequence + 1) % MODULUS or self._sequence < 0:

@@ -46,6 +46,11 @@ class DeviceTime:
         """Nanoseconds from one sample to the next, if device time was ever known."""
         return self._timeline.period if self._timeline else None
 
+    @property
+    def anchored(self) -> bool:
+        """Whether counts go with a device time that was known, though it may be doubted now."""
+        return self._timeline is not None and not self._lost
+
     def time_of(self, count: int) -> int:
         """Return the device time of a sample. It must be known."""
         assert self._timeline
@@ -95,7 +100,7 @@ class DeviceTime:
         """
         timeline, candidate = self._timeline, self._candidate
         fits = lateness is not None and EARLIEST <= lateness <= LATEST
-        if timeline and not self._lost and timeline.agrees(count, time):
+        if timeline and timeline.agrees(count, time):      # also if turns might have been lost
             timeline.accept(count, time)
         elif timeline and self._lost and fits:
             timeline.move(count, time)

@@ -25,11 +25,7 @@ from bahrs_driver.clock.sync_pulses import SyncPulses
 from bahrs_driver.clock.tracker import Tracker
 from bahrs_driver.clock.units import MICROSECOND, NANOSECONDS
 from bahrs_driver.protocol.bahrs import (
-    Inertial,
-    InertialTime,
-    Navigation,
-    NavigationTime,
-    SyncPulseTime,
+    Inertial, InertialTime, Navigation, NavigationTime, SyncPulseTime,
 )
 from bahrs_driver.protocol.framing import Frame
 
@@ -135,8 +131,10 @@ class SampleClock:
         device, counter = self._device, self._device.counter
         trusted, lost = True, counter.silence_before(bound)
         if not lost and not counter.follow(message.sequence, bound):
-            trusted = counter.place(message.sequence, bound, self._latest_count(bound))
-            lost = counter.lost
+            latest = self._latest_count(bound)
+            turned = counter.may_have_turned(message.sequence, latest)
+            trusted = turned or counter.place(message.sequence, bound, latest)
+            lost = turned or counter.lost
         if lost:
             self._stop_waiting()
             device.lose(message.sequence, bound)
@@ -170,11 +168,10 @@ class SampleClock:
     def _latest_count(self, bound: int) -> int | None:
         """Return the highest count that a sample with this bound can have, if known."""
         device, tracker = self._device, self._tracker
-        if not device.known or not tracker.started:
+        if not device.anchored or not tracker.started:
             return None
-        offset = tracker.host_time(device.time_of(device.counter.count)) \
-            - device.time_of(device.counter.count)
-        return device.count_at(bound - offset)
+        time = device.time_of(device.counter.count)
+        return device.count_at(bound - tracker.host_time(time) + time)
 
     def _lateness(self, count: int, time: int, bound: int) -> int | None:
         """Return by how much a message was later than believed, if a sample has this time."""

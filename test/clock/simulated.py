@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A clock on a simulated device, and how far off its stamps are."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from statistics import median
 
@@ -34,17 +35,18 @@ class Outcome:
 
 
 def simulated(case: Case, seed: int = 1, options: ClockOptions = ClockOptions(),
-              tracker: Tracker | None = None) -> Outcome:
+              tracker: Tracker | None = None,
+              simulation: Callable[[Case, int], Simulation] = Simulation) -> Outcome:
     """Return what a clock makes of a case, with a tracker of its own or another one."""
-    simulation, clock = Simulation(case, seed), SampleClock(options, tracker)
+    device, clock = simulation(case, seed), SampleClock(options, tracker)
     clock.begin(BYTE_TIME)
     outcome = Outcome([], clock.state(), [], 0, 0, 0)
     last = 0
-    for now, received, messages in simulation.reads():
+    for now, received, messages in device.reads():
         clock.read(now, received)
         for message, frame, stamp in clock.stamp(messages):
             if isinstance(message, Inertial):
-                truth = case.ros(simulation.truths[frame.offset])
+                truth = case.ros(device.truths[frame.offset])
                 outcome.errors.append(((now.raw_ns - ORIGIN) / 1e9, (stamp - truth) / 1000))
                 outcome.backward += stamp <= last
                 outcome.future += stamp > now.ros_ns
