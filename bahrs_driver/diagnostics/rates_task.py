@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from bahrs_driver.diagnostics.losses import Losses, SequenceLosses
+from bahrs_driver.diagnostics.steadiness import Steadiness
 from bahrs_driver.diagnostics.task import OK, STALE, Verdict, WARN
 from bahrs_driver.diagnostics.window import Window
 
@@ -29,7 +30,6 @@ class RatesTask:
         unless something else knows.
         """
         self._expected = expected
-        self._tolerance = tolerance
         self._stale_timeout = stale_timeout
         self._received = Counter[str]()
         self._loss_counts = losses or SequenceLosses()
@@ -37,8 +37,9 @@ class RatesTask:
         self._last_any: float | None = None
         self._flowing = 0.0         # s, time in which the stream did not pause
         self._last_service: float | None = None
-        self._window = Window(
-            lambda: [self._received[name] for name in expected], RATE_SPAN)
+        self._window = Window(self._counts, RATE_SPAN)
+        self._steadiness = Steadiness(
+            self._counts, list(expected.values()), tolerance, RATE_SPAN)
         self._losses = Window(lambda: [self.lost.get(name, 0) for name in expected])
 
     @property
@@ -56,9 +57,11 @@ class RatesTask:
             self._flowing += min(now - self._last_any, LONGEST_GAP)
             if self._last_service is not None and self._last_service > self._last_any:
                 self.restart()          # the device was asked to pause
+            elif self.stale(now):
+                self._begun = False     # that was told, and is no matter of rates
         self._last_any = now
         if not self._begun:
-            self._window.restart()          # rates begin with the first message
+            self._restart_rates()           # they begin with the first message
             self._begun = True
         self._received[name] += 1
         self._loss_counts.observe(message, self._flowing, self._expected[name])
@@ -67,7 +70,7 @@ class RatesTask:
         """Begin to count gaps afresh: the device was switched on, or the port opened again."""
         self._loss_counts.restart()
         self._begun = False
-        self._window.restart()
+        self._restart_rates()
 
     def stale(self, now: float) -> bool:
         """Return whether the stream has ended."""
@@ -78,15 +81,15 @@ class RatesTask:
         if self.stale(now):
             return self._why_stale(now)
         _, losses = self._losses.growth(now)
+        self._window.growth(now)
+        wrong = self._steadiness.wrong(now)
         if any(losses):
             return Verdict(WARN, 'Lost just now: ' + _listed(self._expected, losses))
-        elapsed, counts = self._window.growth(now)
-        if elapsed >= RATE_SPAN:
-            off = [f'{name} at {count / elapsed:.0f} Hz instead of {rate:g}'
-                   for (name, rate), count in zip(self._expected.items(), counts)
-                   if self._is_off(count, elapsed * rate)]
-            if off:
-                return Verdict(WARN, ', '.join(off))
+        if wrong:
+            expected = list(self._expected.items())
+            return Verdict(WARN, ', '.join(
+                f'{expected[index][0]} at {rate:.0f} Hz instead of {expected[index][1]:g}'
+                for index, rate in wrong.items()))
         return Verdict(OK, 'All messages at their rates')
 
     def values(self, now: float) -> Mapping[str, str]:
@@ -100,8 +103,12 @@ class RatesTask:
             found[f'{name} lost'] = str(self.lost.get(name, 0))
         return found
 
-    def _is_off(self, count: int, expected: float) -> bool:
-        return bool(expected) and abs(count - expected) > max(2.0, expected * self._tolerance)
+    def _counts(self) -> list[int]:
+        return [self._received[name] for name in self._expected]
+
+    def _restart_rates(self) -> None:
+        self._window.restart()
+        self._steadiness.restart()
 
     def _notice_service(self, message: Any, now: float) -> None:
         if message.SERVICE:

@@ -8,14 +8,10 @@ from types import SimpleNamespace
 from bahrs_driver.diagnostics.device_task import DeviceTask
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.link_task import LinkTask
-from bahrs_driver.diagnostics.losses import missing
-from bahrs_driver.diagnostics.rates_task import RatesTask
 from bahrs_driver.diagnostics.signals_task import SignalsTask
 from bahrs_driver.diagnostics.task import ERROR, OK, STALE, WARN
 from bahrs_driver.diagnostics.window import Window
-from bahrs_driver.protocol.bahrs import (
-    Acknowledgement, HardwareVersion, Inertial, Navigation, SoftwareVersion,
-)
+from bahrs_driver.protocol.bahrs import HardwareVersion, Navigation, SoftwareVersion
 from bahrs_driver.protocol.framing import FramingCounters
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.receiver import LinkCounters
@@ -25,11 +21,6 @@ SAFE, RISK = Integrity.SAFE, Integrity.INTEGRITY_RISK
 GONE, RESERVED = Integrity.UNAVAILABLE, Integrity.RESERVED
 LINK = SimpleNamespace(port='/dev/ttyUSB0', baud_rate=115200)
 NAVIGATION = Navigation(0, 500.0, 0.0, 0.0, 0.0, 0.0, (SAFE,) * 5)
-
-
-def inertial(sequence):
-    """Return an inertial message of which only the counter matters."""
-    return Inertial(sequence % 256, (0.0,) * 3, (0.0,) * 3, (SAFE,) * 6)
 
 
 def link_verdict(**counters):
@@ -101,125 +92,6 @@ def test_text_is_another_device():
     """Such as a GNSS receiver."""
     verdict = framing_verdict(8000, 0, 0, 8000, b'$GPGGA,123519,4807.038,N*47\r\n' * 4)
     assert verdict.level == ERROR and 'another device is on this port' in verdict.message
-
-
-@pytest.mark.parametrize('last, sequence, seconds, lost', [
-    (7, 8, 0.005, 0),
-    (7, 10, 0.015, 2),
-    (255, 0, 0.005, 0),
-    (250, 5, 0.055, 10),
-    (7, 7, 0.0, 0),             # repeated
-    (7, 8, 1.285, 256),         # a whole turn of the counter is missing
-    (7, 8, 1.300, 256),         # and its last frame came late
-    (7, 6, 0.016, 0),           # not a whole turn in three periods: the device began anew
-    (0, 100, 3.06, 611),
-])
-def test_lost_messages_by_counter_and_time(last, sequence, seconds, lost):
-    """At 200 Hz."""
-    assert missing(last, 10.0, sequence, 10.0 + seconds, 200.0) == lost
-
-
-class Stream:
-    """Feeds a task of rates with inertial messages at 200 Hz."""
-
-    def __init__(self):
-        """Begin at the time 0."""
-        self.task = RatesTask({'inertial': 200.0}, 0.05, 1.0)
-        self.now, self.sequence = 0.0, 0
-
-    def run(self, seconds, rate=200, lose=()):
-        """Let time pass; lose counts the messages of this run that do not arrive."""
-        for index in range(int(seconds * rate)):
-            self.now += 1 / rate
-            self.sequence += 1
-            if index not in lose:
-                self.task.observe(inertial(self.sequence), self.now)
-                verdict = self.task.judge(self.now)
-        return verdict
-
-
-def test_a_whole_stream_is_fine():
-    """Through several turns of the counter."""
-    stream = Stream()
-    assert stream.run(6) == (OK, 'All messages at their rates')
-    values = stream.task.values(stream.now)
-    assert values == {'inertial [Hz]': '200.0 of 200', 'inertial received': '1200',
-                      'inertial lost': '0'}
-
-
-def test_losses_are_counted_and_told_for_a_moment():
-    """Wraps included; later all is fine again, and the count stays."""
-    stream = Stream()
-    stream.run(1)
-    verdict = stream.run(0.5, lose={50, 51, 56, 70})
-    assert verdict == (WARN, 'Lost just now: 4 inertial')
-    assert stream.run(5).level == OK
-    assert stream.task.lost == {'inertial': 4}
-
-
-def test_a_wrong_rate_is_told():
-    """The counter has no gaps, but the device is slow."""
-    assert Stream().run(6, rate=180).message == 'inertial at 180 Hz instead of 200'
-
-
-def test_no_stream():
-    """Neither at the start, nor after it has ended; then it is back."""
-    stream = Stream()
-    assert stream.task.judge(0.0) == (STALE, 'No data from the device')
-    stream.run(3)
-    assert stream.task.judge(stream.now + 0.9).level != STALE
-    assert stream.task.judge(stream.now + 1.1).level == STALE
-
-
-def test_diagnostics_mode_is_not_an_error():
-    """Service messages come, and no data: that is as it should be."""
-    stream = Stream()
-    stream.run(1)
-    stream.task.observe(Acknowledgement(0xF0, 0), stream.now + 0.5)
-    level, message = stream.task.judge(stream.now + 2)
-    assert level == STALE and 'diagnostics mode' in message
-    assert 'diagnostics mode' not in stream.task.judge(stream.now + 30).message
-
-
-def test_a_restart_is_no_loss():
-    """The counters of another stream have nothing to do with those of this one."""
-    stream = Stream()
-    stream.run(1)
-    stream.task.restart()
-    stream.sequence += 100
-    stream.run(1)
-    assert stream.task.lost == {'inertial': 0}
-
-
-@pytest.mark.parametrize('pause', [0.6, 2.7, 30.0])
-def test_a_pause_of_the_device_is_no_loss(pause):
-    """As at the start of the real one: its counter goes on where it stood."""
-    stream = Stream()
-    stream.run(0.1)
-    stream.now += pause
-    stream.run(1)
-    assert stream.task.lost == {'inertial': 0}
-
-
-def test_diagnostics_mode_is_no_loss():
-    """However its counters go on afterwards."""
-    stream = Stream()
-    stream.run(1)
-    stream.task.observe(Acknowledgement(0xF0, 0), stream.now + 0.1)
-    stream.now += 0.3
-    stream.sequence += 60
-    stream.run(1)
-    assert stream.task.lost == {'inertial': 0}
-
-
-def test_rates_begin_with_the_first_message():
-    """A device that starts late is not slow."""
-    task = RatesTask({'inertial': 200.0}, 0.05, 1.0)
-    task.judge(0.0)
-    stream = Stream()
-    stream.task, stream.now = task, 1.5
-    assert stream.run(1).level == OK
-    assert stream.run(3).level == OK
 
 
 def test_integrity_of_a_stream_that_ended_is_not_known():

@@ -1,0 +1,166 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the task that watches rates and losses."""
+
+from bahrs_driver.diagnostics.losses import missing
+from bahrs_driver.diagnostics.rates_task import RatesTask
+from bahrs_driver.diagnostics.task import OK, STALE, WARN
+from bahrs_driver.protocol.bahrs import Acknowledgement, Inertial
+from bahrs_driver.protocol.integrity import Integrity
+import pytest
+
+
+def inertial(sequence):
+    """Return an inertial message of which only the counter matters."""
+    return Inertial(sequence % 256, (0.0,) * 3, (0.0,) * 3, (Integrity.SAFE,) * 6)
+
+
+@pytest.mark.parametrize('last, sequence, seconds, lost', [
+    (7, 8, 0.005, 0),
+    (7, 10, 0.015, 2),
+    (255, 0, 0.005, 0),
+    (250, 5, 0.055, 10),
+    (7, 7, 0.0, 0),             # repeated
+    (7, 8, 1.285, 256),         # a whole turn of the counter is missing
+    (7, 8, 1.300, 256),         # and its last frame came late
+    (7, 6, 0.016, 0),           # not a whole turn in three periods: the device began anew
+    (0, 100, 3.06, 611),
+])
+def test_lost_messages_by_counter_and_time(last, sequence, seconds, lost):
+    """At 200 Hz."""
+    assert missing(last, 10.0, sequence, 10.0 + seconds, 200.0) == lost
+
+
+class Stream:
+    """Feeds a task of rates with inertial messages at 200 Hz."""
+
+    def __init__(self):
+        """Begin at the time 0."""
+        self.task = RatesTask({'inertial': 200.0}, 0.05, 1.0)
+        self.now, self.sequence = 0.0, 0
+
+    def run(self, seconds, rate=200, lose=()):
+        """Let time pass; lose counts the messages of this run that do not arrive."""
+        for index in range(int(seconds * rate)):
+            self.now += 1 / rate
+            self.sequence += 1
+            if index not in lose:
+                self.task.observe(inertial(self.sequence), self.now)
+                verdict = self.task.judge(self.now)
+        return verdict
+
+
+def test_a_whole_stream_is_fine():
+    """Through several turns of the counter."""
+    stream = Stream()
+    assert stream.run(6) == (OK, 'All messages at their rates')
+    values = stream.task.values(stream.now)
+    assert values == {'inertial [Hz]': '200.0 of 200', 'inertial received': '1200',
+                      'inertial lost': '0'}
+
+
+def test_losses_are_counted_and_told_for_a_moment():
+    """Wraps included; later all is fine again, and the count stays."""
+    stream = Stream()
+    stream.run(1)
+    verdict = stream.run(0.5, lose={50, 51, 56, 70})
+    assert verdict == (WARN, 'Lost just now: 4 inertial')
+    assert stream.run(5).level == OK
+    assert stream.task.lost == {'inertial': 4}
+
+
+def test_a_wrong_rate_is_told():
+    """The counter has no gaps, but the device is slow."""
+    assert Stream().run(6, rate=180).message == 'inertial at 180 Hz instead of 200'
+
+
+def test_what_a_host_held_back_is_no_wrong_rate():
+    """It comes late, and then all at once: too few in one span, too many in the next."""
+    stream = Stream()
+    stream.run(3)
+    for _ in range(5):
+        held = [inertial(stream.sequence + index) for index in range(1, 61)]
+        stream.sequence, stream.now = stream.sequence + 60, stream.now + 0.3
+        assert stream.task.judge(stream.now).level == OK
+        for message in held:
+            stream.task.observe(message, stream.now)
+        assert stream.run(4.1) == (OK, 'All messages at their rates')
+
+
+def test_a_rate_at_the_edge_of_its_tolerance_is_not_another_at_every_message():
+    """Each change of level is reported at once, and such a one would be for nothing."""
+    stream, levels = Stream(), []
+    for turn in range(400):
+        levels.append(stream.run(0.05, rate=(200, 220, 220)[turn % 3]).level)
+    changes = sum(before != after for before, after in zip(levels, levels[1:]))
+    assert changes <= stream.now / 2
+
+
+def test_a_rate_is_not_wrong_because_the_stream_had_paused():
+    """As at the start of the real device, 2.7 s after its first sample: that is told as stale."""
+    stream = Stream()
+    stream.run(0.005)
+    assert stream.task.judge(stream.now + 2.7).level == STALE
+    stream.now += 2.7
+    for _ in range(50):
+        assert stream.run(0.1) == (OK, 'All messages at their rates')
+
+
+def test_no_stream():
+    """Neither at the start, nor after it has ended; then it is back."""
+    stream = Stream()
+    assert stream.task.judge(0.0) == (STALE, 'No data from the device')
+    stream.run(3)
+    assert stream.task.judge(stream.now + 0.9).level != STALE
+    assert stream.task.judge(stream.now + 1.1).level == STALE
+
+
+def test_diagnostics_mode_is_not_an_error():
+    """Service messages come, and no data: that is as it should be."""
+    stream = Stream()
+    stream.run(1)
+    stream.task.observe(Acknowledgement(0xF0, 0), stream.now + 0.5)
+    level, message = stream.task.judge(stream.now + 2)
+    assert level == STALE and 'diagnostics mode' in message
+    assert 'diagnostics mode' not in stream.task.judge(stream.now + 30).message
+
+
+def test_a_restart_is_no_loss():
+    """The counters of another stream have nothing to do with those of this one."""
+    stream = Stream()
+    stream.run(1)
+    stream.task.restart()
+    stream.sequence += 100
+    stream.run(1)
+    assert stream.task.lost == {'inertial': 0}
+
+
+@pytest.mark.parametrize('pause', [0.6, 2.7, 30.0])
+def test_a_pause_of_the_device_is_no_loss(pause):
+    """As at the start of the real one: its counter goes on where it stood."""
+    stream = Stream()
+    stream.run(0.1)
+    stream.now += pause
+    stream.run(1)
+    assert stream.task.lost == {'inertial': 0}
+
+
+def test_diagnostics_mode_is_no_loss():
+    """However its counters go on afterwards."""
+    stream = Stream()
+    stream.run(1)
+    stream.task.observe(Acknowledgement(0xF0, 0), stream.now + 0.1)
+    stream.now += 0.3
+    stream.sequence += 60
+    stream.run(1)
+    assert stream.task.lost == {'inertial': 0}
+
+
+def test_rates_begin_with_the_first_message():
+    """A device that starts late is not slow."""
+    task = RatesTask({'inertial': 200.0}, 0.05, 1.0)
+    task.judge(0.0)
+    stream = Stream()
+    stream.task, stream.now = task, 1.5
+    assert stream.run(1).level == OK
+    assert stream.run(3).level == OK
