@@ -1,0 +1,29 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which device bytes are from."""
+
+from dataclasses import fields
+import random
+
+from bahrs_driver.protocol.bahrs import NavigationTime
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec
+from bahrs_driver.protocol.recognition import sensor_of
+from bahrs_driver.protocol.titan_frames import build_answer
+from bahrs_driver.protocol.titan_m import State
+import pytest
+
+NOISE = random.Random(4).randbytes(60)
+BAHRS = BahrsCodec().encode(NavigationTime(1, 2, 3), 3)
+TITAN_M = build_answer(State(*[0] * len(fields(State))))
+
+
+@pytest.mark.parametrize('data, name', [
+    (NOISE + BAHRS + NOISE, 'bahrs'),
+    (NOISE + TITAN_M + NOISE, 'titan_m'),
+    (BAHRS[7:], ''),
+    (NOISE, ''),
+    (b'', ''),
+])
+def test_one_whole_frame_is_proof(data, name):
+    """Wherever it stands; nothing less is."""
+    assert sensor_of(data) == name
