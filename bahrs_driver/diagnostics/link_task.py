@@ -42,7 +42,8 @@ class LinkTask:
         return {
             'Port': self._link.port,
             'Baud rate': str(baud_rate),
-            'Open for [s]': ago(counters.open_since, now),
+            'Open for [s]': 'not open' if counters.open_since is None
+            else ago(counters.open_since, now),
             'Times opened': str(counters.times_opened),
             'Bytes received': str(counters.bytes_received),
             'Bytes per second': f'{rate:.0f}',

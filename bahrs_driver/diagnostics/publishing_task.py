@@ -5,6 +5,7 @@
 from collections.abc import Mapping
 
 from bahrs_driver.diagnostics.task import OK, Verdict
+from bahrs_driver.diagnostics.window import Window
 
 
 class PublishingTask:
@@ -15,11 +16,15 @@ class PublishingTask:
     def __init__(self, counts: Mapping[str, int]) -> None:
         """Show the counts, by topic."""
         self._counts = counts
+        self._window = Window(lambda: list(counts.values()))
 
     def judge(self, now: float) -> Verdict:
-        """Return how much was published in all."""
-        return Verdict(OK, 'Publishing' if any(self._counts.values()) else
-                       'Nothing published yet')
+        """Return whether anything goes out; why nothing does is told by others."""
+        _, published = self._window.growth(now)
+        if any(published):
+            return Verdict(OK, 'Publishing')
+        return Verdict(OK, 'Nothing published just now' if any(self._counts.values())
+                       else 'Nothing published yet')
 
     def values(self, now: float) -> Mapping[str, str]:
         """Return the count of each topic."""

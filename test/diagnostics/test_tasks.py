@@ -3,18 +3,21 @@
 """Tests of what each task says, and when."""
 
 from dataclasses import replace
+import random
 from types import SimpleNamespace
 
 from bahrs_driver.diagnostics.device_task import DeviceTask
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.link_task import LinkTask
+from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.signals_task import SignalsTask
 from bahrs_driver.diagnostics.task import ERROR, OK, STALE, WARN
 from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.protocol.bahrs import HardwareVersion, Navigation, SoftwareVersion
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec
 from bahrs_driver.protocol.framing import FramingCounters
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.receiver import LinkCounters
+from bahrs_driver.receiver import LinkCounters, SAMPLE_SIZE
 import pytest
 
 SAFE, RISK = Integrity.SAFE, Integrity.INTEGRITY_RISK
@@ -59,6 +62,9 @@ def test_traffic_is_told_against_the_baud_rate():
     counters.bytes_received = 5760
     values = task.values(1.0)
     assert values['Bytes per second'] == '5760' and values['Use of the line'] == '50%'
+    assert values['Open for [s]'] == '1.0'
+    counters.open_since = None
+    assert task.values(2.0)['Open for [s]'] == 'not open'
 
 
 def framing_verdict(received, frames, failures, skipped, last_bytes=b'\xff' * 99):
@@ -76,8 +82,8 @@ def framing_verdict(received, frames, failures, skipped, last_bytes=b'\xff' * 99
 @pytest.mark.parametrize('received, frames, failures, skipped, level, words', [
     (0, 0, 0, 0, OK, 'Nothing received'),
     (8000, 345, 0, 0, OK, 'All frames intact'),
-    (8000, 340, 1, 24, WARN, '1 damaged frames, 24 stray bytes'),
-    (8000, 345, 0, 3, WARN, '0 damaged frames, 3 stray bytes'),
+    (8000, 340, 1, 24, WARN, 'Just now: damaged frames 1, stray bytes 24'),
+    (8000, 345, 0, 3, WARN, 'Just now: damaged frames 0, stray bytes 3'),
     (8000, 240, 105, 2600, ERROR, '30% of the frames are damaged: check cable'),
     (30, 0, 0, 0, OK, 'Waiting for a whole frame'),
     (8000, 0, 0, 8000, ERROR, 'no frame of a bahrs: is 115200 the baud rate'),
@@ -99,6 +105,45 @@ def test_integrity_of_a_stream_that_ended_is_not_known():
     task = SignalsTask({'roll': SAFE}, lambda now: now > 5.0)
     assert task.judge(4.0) == (OK, 'All signals safe')
     assert task.judge(6.0) == (STALE, 'Nothing heard from the device')
+
+
+def test_the_other_sensor_is_named():
+    """Its frames are as good a proof as ours."""
+    bahrs = BahrsCodec().encode(NAVIGATION, 3)
+    framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters()
+    task = FramingTask(framer, counters, 115200, 'titan_m', dict, 0.1)
+    task.judge(0.0)
+    counters.bytes_received, counters.last_bytes = 8000, (bahrs * 12)[-SAMPLE_SIZE:]
+    assert task.judge(1.0) == (
+        ERROR, 'A bahrs is on this port, not a titan_m: set parameter sensor to it')
+
+
+def test_a_wrong_device_that_says_little_is_told_as_well():
+    """A sentence of 70 bytes a second, as GNSS receivers have it; not after a new opening."""
+    framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters(times_opened=1)
+    task = FramingTask(framer, counters, 115200, 'bahrs', dict, 0.1)
+    for second in range(6):
+        counters.bytes_received += 70
+        counters.last_bytes = b'$GPGGA,123519,4807.038,N*47\r\n'
+        verdict = task.judge(float(second))
+    assert verdict.level == ERROR and 'another device' in verdict.message
+    counters.times_opened, counters.bytes_received = 2, counters.bytes_received + 20
+    assert task.judge(6.0) == (OK, 'Waiting for a whole frame')
+
+
+def test_a_share_of_damage_at_the_limit_is_not_another_level_at_every_frame():
+    """Each change of level is reported at once."""
+    framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters()
+    task, levels = FramingTask(framer, counters, 115200, 'bahrs', dict, 0.1), []
+    chance = random.Random(3)
+    for index in range(9000):
+        counters.bytes_received += 24
+        if chance.random() < 0.1:
+            framer.counters.crc_failures += 1
+        else:
+            framer.counters.frames += 1
+        levels.append(task.judge(index / 450).level)
+    assert sum(before != after for before, after in zip(levels, levels[1:])) < 10
 
 
 def test_a_device_of_an_unknown_version_is_told():
@@ -123,6 +168,18 @@ def test_a_device_of_an_unknown_version_is_told():
 def test_integrity(signals, level, message):
     """The worst signal gives the level."""
     assert SignalsTask(signals).judge(0.0) == (level, message)
+
+
+def test_publishing_is_of_the_present():
+    """What went out an hour ago is no comfort."""
+    counts = {'imu/data': 0}
+    task = PublishingTask(counts)
+    assert task.judge(0.0).message == 'Nothing published yet'
+    counts['imu/data'] = 40
+    assert task.judge(0.5) == (OK, 'Publishing')
+    assert task.judge(1.0).message == 'Publishing'
+    assert task.judge(3.0).message == 'Nothing published just now'
+    assert task.values(3.0) == {'imu/data': '40'}
 
 
 def test_device_tells_what_it_is():
