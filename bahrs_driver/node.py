@@ -64,6 +64,7 @@ class DriverNode(Node):
         self._data = {topic: self._publisher(message_type, topic, topic in sensor.latched)
                       for topic, message_type in sensor.topics.items()}
         self._sensor_name, self._byte_ns = settings['sensor'], 0
+        self._heard_ns = 0              # stamp of what was heard last
         self._raw = None
         if settings['publish.raw']:
             self._raw = self._publisher(UInt8MultiArray, raw.TOPIC)
@@ -113,10 +114,21 @@ class DriverNode(Node):
 
     def bytes_read(self, reading: Reading) -> None:
         """Publish the bytes of a read, if they are wanted."""
+        self._notice_silence()
         if self._raw:
             origin = Origin(self._sensor_name, self.receiver.counters.times_opened,
                             self._byte_ns, reading.now.ros_ns, reading.now.raw_ns)
             self._raw.publish(raw.message(reading.data, origin.label()))
+
+    def nothing_read(self) -> None:
+        """Say what is to be said of a device that is silent."""
+        self._notice_silence()
+
+    def _notice_silence(self) -> None:
+        if self._heard_ns and self._sensor.health.stale(time.monotonic()):
+            # Under the earliest time: whatever comes next is later.
+            self._publish(self._sensor.converter.silent(self._heard_ns + 1))
+            self._heard_ns = 0
 
     def received(self, batch: list[Received]) -> None:
         """Publish what the messages of one read become."""
@@ -128,6 +140,7 @@ class DriverNode(Node):
             if sensor.nvm:
                 sensor.nvm.receive(message, frame)
             self._publish(sensor.converter.convert(message, stamp_ns))
+        self._heard_ns = max(stamp_ns for *_, stamp_ns in batch)
         self._report_change()
 
     def _report_change(self) -> None:

@@ -43,6 +43,9 @@ class Listener(Protocol):
     def bytes_read(self, reading: Reading) -> None:
         """Take the bytes of a read as they came, before anything is made of them."""
 
+    def nothing_read(self) -> None:
+        """Take note that no byte came for a while."""
+
     def received(self, batch: list[Received]) -> None:
         """Take the messages whose time is known since the last read."""
 
@@ -113,6 +116,7 @@ class Receiver:
         while not self._stopping.is_set():
             reading = self._link.read()
             if reading is None:
+                self._listener.nothing_read()
                 continue
             self._listener.bytes_read(reading)
             self.counters.reads += 1

@@ -87,6 +87,10 @@ class Diary:
         """Keep it."""
         self.readings.append(reading)
 
+    def nothing_read(self):
+        """Note it."""
+        self.entries.append('nothing')
+
     def received(self, batch):
         """Note the sequence numbers, and keep all of it."""
         self.entries.append([received.message.sequence for received in batch])
@@ -125,7 +129,7 @@ def play(monkeypatch):
 def test_frames_of_one_read_come_together(play):
     """Decoded, in order."""
     diary, _ = play([FRAMES[0] + FRAMES[1], b'', FRAMES[2]])
-    assert diary.entries[:3] == ['opened', [0, 1], [2]]
+    assert diary.entries[:4] == ['opened', [0, 1], 'nothing', [2]]
 
 
 def test_bytes_are_handed_out_as_they_were_read(play):

@@ -163,6 +163,9 @@ class Device:
     def bytes_read(self, reading: Reading) -> None:
         """Do nothing: what they mean is all that matters here."""
 
+    def nothing_read(self) -> None:
+        """Do nothing: a device that is asked may well be silent."""
+
     def received(self, batch: list[Received]) -> None:
         """Hand over what the device says."""
         for message, frame, _ in batch:

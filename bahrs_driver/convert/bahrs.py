@@ -112,6 +112,11 @@ class BahrsConverter:
         self._forget()
         return iter([('integrity', self._notice.forget(stamp_ns, self._options.frame_id))])
 
+    def silent(self, stamp_ns: int) -> Outgoing:
+        """Return the notice that no signal is known since stamp_ns, if any was."""
+        if any(state is not None for state in self.signals.values()):
+            yield 'integrity', self._notice.forget(stamp_ns, self._options.frame_id)
+
     def convert(self, message: object, stamp_ns: int) -> Outgoing:
         """
         Return what a message becomes, one by one; nothing for those that no topic carries.

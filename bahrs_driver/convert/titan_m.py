@@ -125,6 +125,10 @@ class TitanConverter:
         self._forget()
         return iter(())
 
+    def silent(self, stamp_ns: int) -> Outgoing:
+        """Return nothing: no topic tells of the present."""
+        return iter(())
+
     def convert(self, message: object, stamp_ns: int) -> Outgoing:
         """
         Return what an answer becomes, and those that waited for their byte order, one by one.

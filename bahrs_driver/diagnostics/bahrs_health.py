@@ -39,6 +39,10 @@ class BahrsHealth:
         """Take note that another stream begins."""
         self._rates.restart()
 
+    def stale(self, now: float) -> bool:
+        """Return whether the data has ceased, at a time in seconds (monotonic)."""
+        return self._rates.stale(now)
+
     def hardware_id(self) -> str:
         """Return the name that the device gives itself; empty if it did not."""
         return self._device.hardware_id

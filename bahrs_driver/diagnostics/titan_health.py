@@ -63,6 +63,10 @@ class TitanHealth:
         """Take note that another stream begins."""
         self._rates.restart()
 
+    def stale(self, now: float) -> bool:
+        """Return whether the data has ceased, at a time in seconds (monotonic)."""
+        return self._rates.stale(now)
+
     def hardware_id(self) -> str:
         """Return nothing: the device has no name for itself."""
         return ''

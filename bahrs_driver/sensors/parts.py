@@ -20,6 +20,9 @@ class Converter(Protocol):
     def lost(self, stamp_ns: int) -> Iterator[tuple[str, Any]]:
         """Forget the stream, and return what is to be said about its end."""
 
+    def silent(self, stamp_ns: int) -> Iterator[tuple[str, Any]]:
+        """Return what is to be said about a stream that pauses."""
+
     def convert(self, message: Any, stamp_ns: int) -> Iterator[tuple[str, Any]]:
         """Return the topics and ROS messages that a device message becomes."""
 
@@ -34,6 +37,9 @@ class Health(Protocol):
 
     def opened(self) -> None:
         """Take note that another stream begins."""
+
+    def stale(self, now: float) -> bool:
+        """Return whether the data has ceased, at a time in seconds (monotonic)."""
 
     def hardware_id(self) -> str:
         """Return the name that the device gives itself; empty if it did not."""

@@ -16,6 +16,7 @@ import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 SIGNALS = Inertial.SIGNALS + Navigation.SIGNALS
+WORTH = {Integrity.SAFE: 1, Integrity.INTEGRITY_RISK: 100}
 STATES = {2: [Integrity.UNAVAILABLE, Integrity.SAFE], 3: list(Integrity)}
 
 
@@ -82,6 +83,7 @@ def test_every_sample_says_what_the_device_said_of_it(cable, version):
     assert len(notices) >= 40
     check_inertial(ear.heard, notices, device.inertial)
     check_navigation(ear.heard, notices, device.navigation)
+    check_attitude(ear.heard, notices, device.inertial, device.navigation)
 
 
 def came(imu, index):
@@ -133,6 +135,11 @@ def check_navigation(heard, notices, sent):
         assert pose.pose.pose.position.z == pytest.approx(message.pressure_height, abs=0.1)
         check_notice(notices.at(nanoseconds(pose)), message)
         assert pose.pose.covariance[14] == (1 if message.health[0] is Integrity.SAFE else 100)
+    stamps = [nanoseconds(pose) for pose in poses]
+    for topic in ('static_pressure', 'pressure_altitude'):
+        same = [nanoseconds(message) for message in heard[topic]]
+        begin = max(stamps[0], same[0])
+        assert all(a == b for a, b in zip(stamps[stamps.index(begin):], same[same.index(begin):]))
     first = round(-twists[0].twist.twist.linear.z / VELOCITY)
     for twist, message in sources(twists, first, sent, lambda m: m.health[1].available):
         assert -twist.twist.twist.linear.z == pytest.approx(message.velocity_down, abs=0.01)
@@ -142,6 +149,38 @@ def check_navigation(heard, notices, sent):
     first = round(math.radians(headings[0].data) / ANGLE)
     for heading, message in sources(headings, first, sent, lambda m: True):
         assert math.isnan(heading.data) == (not message.health[4].available)
+
+
+def check_attitude(heard, notices, inertial, navigation):
+    """Orientation has the worth of roll, pitch and heading, or is not reported."""
+    begin = number(heard['imu/data'][0]) // 2
+    sent = [(message, inertial[2 * turn].health) for turn, message in enumerate(navigation)
+            if turn >= begin and 2 * turn < len(inertial)]
+    published = [message for message, health in sent
+                 if level(message) or any(state.available for state in health)]
+    complete = []               # stamps of those from which a field can be derived
+    # The first may have come before the first accuracy message.
+    for imu, message in list(zip(heard['imu/data'], published))[20:]:
+        check_notice(notices.at(nanoseconds(imu)), message)
+        if not level(message):
+            assert imu.orientation_covariance[0] == -1
+            continue
+        heading = message.health[4]
+        east, north, up = imu.orientation_covariance[[0, 4, 8]]
+        assert (east, north) == pytest.approx(
+            (4e-4 * level(message), 1e-4 * level(message)), rel=0.02)
+        assert up == pytest.approx(9e-4 * WORTH[heading] if heading.available else 1e6, rel=0.02)
+        if heading.available:
+            complete.append(nanoseconds(imu))
+    fields = [nanoseconds(field) for field in heard['imu/mag']]
+    assert len(complete) > 100
+    assert all(a == b for a, b in zip(complete, fields[fields.index(complete[0]):]))
+
+
+def level(message):
+    """Return the worth of roll and pitch together, 0 if either is not there."""
+    roll, pitch = message.health[2:4]
+    return max(WORTH[roll], WORTH[pitch]) if roll.available and pitch.available else 0
 
 
 def check_notice(said, message):
@@ -197,6 +236,23 @@ def delay(ear, change):
                 for item in array.status
                 if item.name == 'bahrs_driver: Integrity' and item.level == level
                 and nanoseconds(array) >= nanoseconds(change)), default=math.inf)
+
+
+def test_a_silent_device_leaves_no_signal_safe(cable):
+    """A late joiner is not told what once was, and every sample keeps what it was worth."""
+    def known():
+        notices = ear.heard['integrity']
+        return notices and {item.message for item in notices[-1].status}
+
+    with listening(TOPICS) as ear, driver(cable.path):
+        for _ in range(2):
+            with Device(cable):
+                assert wait_for(lambda: known() == {'safe'})
+                ear.wait('imu/data_raw', len(ear.heard['imu/data_raw']) + 20)
+            assert wait_for(lambda: known() == {'not_heard'})
+        told = Notices(ear.heard['integrity'])
+        assert all(told.at(nanoseconds(imu))['angular_rate_x'] == 'safe'
+                   for imu in ear.heard['imu/data_raw'][1:])
 
 
 def test_a_lost_cable_leaves_no_signal_safe(cable):

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which device bytes are from."""
 
-from dataclasses import fields
 import random
 
 from bahrs_driver.protocol.bahrs import NavigationTime
@@ -14,7 +13,7 @@ import pytest
 
 NOISE = random.Random(4).randbytes(60)
 BAHRS = BahrsCodec().encode(NavigationTime(1, 2, 3), 3)
-TITAN_M = build_answer(State(*[0] * len(fields(State))))
+TITAN_M = build_answer(State(*[(0.0,) * 3] * 4))
 
 
 @pytest.mark.parametrize('data, name', [
