@@ -29,7 +29,7 @@ setup(
     entry_points={
         'console_scripts': [
             'bahrs = bahrs_driver.cli.main:main',
-            'driver_node = bahrs_driver.node:main',
+            'driver_node = bahrs_driver.driver_node:main',
         ],
     },
 )

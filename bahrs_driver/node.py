@@ -4,7 +4,6 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-import signal
 import sys
 from threading import Event
 import time
@@ -211,14 +210,11 @@ def _link(settings: Mapping[str, Any]) -> Link:
         raise ParameterError(f"parameter port is {settings['port']!r}: {error}") from error
 
 
-def main(args: list[str] | None = None) -> int:
-    """Run the node until a signal ends it; the exit status is not 0 if it could not start."""
-    ended = Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: ended.set())
+def run(ended: Event) -> int:
+    """Run the node until ended; the exit status is not 0 if it could not start."""
     try:
-        _check_words(remove_ros_args(sys.argv if args is None else args)[1:])
-        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        _check_words(remove_ros_args(sys.argv)[1:])
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         _run(ended)
     except (ParameterError, RCLError, RCLInvalidROSArgsError) as error:
         # What rcl says ends in places of its source.

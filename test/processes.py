@@ -20,7 +20,7 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 BIN = Path(sys.executable).parent
-MODULES = {'bahrs': 'bahrs_driver.cli.main', 'driver_node': 'bahrs_driver.node'}
+MODULES = {'bahrs': 'bahrs_driver.cli.main', 'driver_node': 'bahrs_driver.driver_node'}
 # Long enough for a machine that does much else: only what fails ever waits so long.
 PATIENCE = 60.0                 # s
 

@@ -33,6 +33,7 @@ MAY_IMPORT = {
     'report': {'report', 'recording', 'protocol'},
     'doctor': {'doctor', 'convert', 'link', 'protocol'},
     'monitor': {'monitor', 'convert'},
+    'driver_node': {'node'},
     'node': {'parameters', 'sensors', 'convert', 'recording', 'diagnostics', 'nvm_services',
              'receiver', 'link', 'executor'},
     'executor': set(),

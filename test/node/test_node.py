@@ -4,6 +4,8 @@
 
 import math
 import signal
+import subprocess
+import sys
 from time import time_ns
 
 from bahrs_driver.clock import byte_time_ns
@@ -83,6 +85,12 @@ def test_signal_ends_it_cleanly(cable):
             ear.wait('imu/data')
             assert node.end(number) == 0, node.text
             assert len(node.lines) == 1 and f'{cable.path} is open' in node.text
+
+
+def test_signals_are_heeded_before_anything_large_is_imported():
+    """Or else Ctrl-C in the first second or two would end in a traceback."""
+    code = 'import sys, bahrs_driver.driver_node; sys.exit("rclpy" in sys.modules)'
+    assert subprocess.run([sys.executable, '-c', code]).returncode == 0
 
 
 @pytest.mark.parametrize('words, sentence', [
