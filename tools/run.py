@@ -11,6 +11,8 @@ import signal
 import subprocess
 import sys
 import tempfile
+from threading import Event
+from typing import TextIO
 
 BIN = Path(sys.executable).parent
 END_TIMEOUT = 5.0       # s
@@ -23,39 +25,59 @@ def main() -> int:
     parser.add_argument('--sensor', default='bahrs', help='which device (default: %(default)s)')
     parser.add_argument('--duration', help='end after so many seconds')
     options = parser.parse_args()
-    # Ctrl-C reaches all children too; they end themselves and we wait for them.
-    signal.signal(signal.SIGINT, lambda *_: None)
+    # Ctrl-C reaches the live view, too, which ends by itself; the others are in groups of
+    # their own, and are ended when it has.
+    interrupted = Event()
+    signal.signal(signal.SIGINT, lambda *_: interrupted.set())
     # Nobody else would end them then.
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda number, _: sys.exit(128 + number))
     with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
         port = options.port
         if port is None:
             port = f'{folder}/bahrs'
             emulator = stack.enter_context(
                 process('bahrs', 'emulate', '--sensor', options.sensor, '--link', port, '--wait',
-                        stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+                        stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                        start_new_session=True))
             emulator.stdout.readline()      # it prints the port when there is one
-        with open(f'{folder}/driver.log', 'w+') as log:
+        with open(f'{folder}/driver.log', 'w+') as log, \
+                open(f'{folder}/monitor.log', 'w+') as complaints:
             driver = stack.enter_context(
                 process('driver_node', '--ros-args', '-p', f'port:={port}',
-                        '-p', f'sensor:={options.sensor}', stderr=log))
+                        '-p', f'sensor:={options.sensor}', stderr=log,
+                        start_new_session=True))
+            if interrupted.is_set():
+                return 0
             words = ['--duration', options.duration] if options.duration else []
-            monitor = stack.enter_context(process('bahrs', 'monitor', *words, stdout=None))
-            return wait_for(monitor, driver, log)
+            monitor = stack.enter_context(
+                process('bahrs', 'monitor', *words, stdout=None, stderr=complaints))
+            wait_for(monitor, driver, interrupted)
+            if driver.poll():
+                return told(driver, log)
+            # What it says of a Ctrl-C in its first moment is of no interest.
+            return 0 if interrupted.is_set() else told(monitor, complaints)
 
 
-def wait_for(monitor: subprocess.Popen, driver: subprocess.Popen, log) -> int:
-    """Return the exit status of the first that ends; show what the driver said if it failed."""
+def wait_for(monitor: subprocess.Popen, driver: subprocess.Popen, interrupted: Event) -> None:
+    """Return when the monitor has ended, which it does after the driver, too."""
     while monitor.poll() is None:
+        if interrupted.is_set():
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                monitor.wait(END_TIMEOUT)
+                return
+            monitor.send_signal(signal.SIGINT)      # it was not there yet to hear the first
         with contextlib.suppress(subprocess.TimeoutExpired):
             driver.wait(0.2)
             monitor.send_signal(signal.SIGINT)
             monitor.wait(END_TIMEOUT)
-    if driver.poll():
-        log.seek(0)
-        sys.stderr.write(log.read())
-        return driver.returncode
-    return monitor.returncode
+
+
+def told(child: subprocess.Popen, log: TextIO) -> int:
+    """Show what a child said, and return its exit status."""
+    log.seek(0)
+    sys.stderr.write(log.read())
+    return child.returncode
 
 
 @contextlib.contextmanager
