@@ -17,6 +17,7 @@ from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.nvm import NvmSession, PAGES, ServiceFrames, State
 
 LEAVE_TIME = 10.0       # s, far more than a session takes to leave
+LOSS_TIME = 3.0         # s, far more than its reader takes to tell why a link is lost
 
 
 class NvmError(Exception):
@@ -127,4 +128,6 @@ class NvmReader:
         try:
             self._link.write(data)
         except LinkError as error:
+            # The reader of a link that is lost knows why, and what to do; it may be a bit later.
+            self._changed.wait_for(lambda: session.state is State.FINISHED, LOSS_TIME)
             session.abandon(str(error))

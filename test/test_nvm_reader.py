@@ -9,6 +9,7 @@ import threading
 import time
 import tracemalloc
 
+from bahrs_driver import nvm_reader
 from bahrs_driver.emulator.bahrs_diagnostics import DiagnosticsMode, ServiceHabits
 from bahrs_driver.link import LinkError
 from bahrs_driver.nvm_reader import NvmError, NvmReader
@@ -133,8 +134,20 @@ def test_lost_link(made, in_background):
     assert result == {'error': '/dev/ttyUSB0 is gone'}
 
 
-def test_link_that_takes_no_data(made):
+def test_a_write_that_fails_before_its_link_is_known_to_be_lost(made, in_background, monkeypatch):
+    """The reason is that of the reader of the link, who knows what to do."""
+    monkeypatch.setattr(nvm_reader, 'LOSS_TIME', LONG)
+    device = made()
+    device.broken = True
+    result, thread = in_background(device)
+    device.reader.lost('/dev/ttyUSB0 is gone: plug it in again')
+    thread.join()
+    assert result == {'error': '/dev/ttyUSB0 is gone: plug it in again'}
+
+
+def test_link_that_takes_no_data(made, monkeypatch):
     """The reason is that of the link."""
+    monkeypatch.setattr(nvm_reader, 'LOSS_TIME', 0.01)
     device = made()
     device.broken = True
     with pytest.raises(NvmError, match='the port is gone'):
