@@ -28,7 +28,7 @@ from bahrs_driver.whole_file import write_whole
 from rich.console import Console
 from rich.progress import Progress
 
-LISTEN_TIME = 1.0       # s in which a device that streams is heard
+LISTEN_TIME = 3.0       # s in which a device that streams, or just starts, is heard
 
 _EXAMPLES = (
     'bahrs nvm read 0 --port /dev/ttyUSB0',
