@@ -43,7 +43,10 @@ def listen(port: str, baud_rate: int, seconds: float = LISTEN_TIME, ask: bool = 
     link.connect()
     try:
         begin, asked = time.monotonic(), 0
-        while time.monotonic() < begin + seconds and not _enough(framers, asked):
+        ended = False
+        while not ended and not _enough(framers, asked):
+            # Told before the read, which takes what came while a busy host did something else.
+            ended = time.monotonic() >= begin + seconds
             if ask and time.monotonic() >= begin + asked * ASK_EVERY:
                 # Nothing tells which byte order the device wants in a checksum.
                 link.write(build_request(
