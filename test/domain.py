@@ -9,6 +9,7 @@ from pathlib import Path
 import tempfile
 
 DOMAINS = range(1, 102)         # those above collide with ports that the system gives away
+APART = 37                      # domains from where one user begins to where the next does
 
 
 def use_own_domain() -> None:
@@ -21,7 +22,9 @@ def claim_domain() -> int:
     """Return a domain that no other run of tests on this machine has, until this one ends."""
     folder = Path(tempfile.gettempdir()) / f'bahrs_driver_domains_{os.getuid()}'
     folder.mkdir(exist_ok=True)
-    for number in DOMAINS:
+    # Nobody sees the claims of another user, so everybody begins elsewhere.
+    first = os.getuid() * APART % len(DOMAINS)
+    for number in [*DOMAINS[first:], *DOMAINS[:first]]:
         claim = os.open(folder / str(number), os.O_CREAT | os.O_RDWR | os.O_CLOEXEC)
         with contextlib.suppress(BlockingIOError):
             fcntl.flock(claim, fcntl.LOCK_EX | fcntl.LOCK_NB)
