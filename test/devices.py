@@ -5,6 +5,7 @@
 import threading
 import time
 
+from bahrs_driver.convert.bahrs import TOPICS
 from bahrs_driver.protocol.bahrs import (
     Accuracy, ANGLE, FORCE, HEIGHT, Inertial, InertialTime, Navigation, NavigationTime,
     SyncPulseTime, VELOCITY,
@@ -16,6 +17,8 @@ from processes import wait_for
 
 DIAGNOSTICS = {'/diagnostics': DiagnosticArray}
 SAFE = (Integrity.SAFE,) * 6
+# For the node where every message counts: a queue that no pause of a listener lets run over.
+DEEP = {f'qos_overrides./{topic}.publisher.depth': 5000 for topic in (*TOPICS, 'raw')}
 
 
 class Device(threading.Thread):
@@ -76,6 +79,19 @@ class Device(threading.Thread):
         """Stop."""
         self._ended.set()
         self.join()
+
+
+def known(ear):
+    """
+    Wait until the node has found all that an ear has made so far, clients, too.
+
+    A node hears of others in the order in which they were made, and an answer to a client that it
+    has not heard of is lost. What is made last here hears the diagnostics, which come of
+    themselves.
+    """
+    heard = []
+    ear.node.create_subscription(DiagnosticArray, '/diagnostics', heard.append, 10)
+    assert wait_for(lambda: heard)
 
 
 def status(ear, task):

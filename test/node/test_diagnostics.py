@@ -7,12 +7,13 @@ import json
 import os
 import stat
 
+from bahrs_driver.cli.main import main
 from bahrs_driver.emulator.pty_port import PtyPort
 from bahrs_driver.protocol.bahrs import (
     Acknowledgement, HardwareVersion, Navigation, SoftwareVersion,
 )
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec
-from devices import Device, DIAGNOSTICS, SAFE, says, status
+from devices import Device, DIAGNOSTICS, known, SAFE, says, status
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_msgs.srv import SelfTest
 from processes import driver, listening, PATIENCE, running, wait_for
@@ -94,17 +95,18 @@ def test_a_forbidden_port():
 
 def test_lost_frames_are_counted_right(tmp_path):
     """As many as the emulator dropped, one in a hundred, through several turns of the counters."""
-    port, truth = str(tmp_path / 'port'), tmp_path / 'truth.jsonl'
-    with listening(DIAGNOSTICS) as ear, running(
-            'bahrs', 'emulate', '--link', port, '--wait', '--duration', '9',
-            '--fault', 'drop_frame=0.01', '--truth', str(truth)) as emulator:
-        assert wait_for(lambda: emulator.lines)
-        with driver(port):
-            assert emulator.wait() == 0
-            lost, received = losses(truth)
-            assert wait_for(lambda: values(ear, 'Rates')['inertial received']
-                            == str(received['inertial']))
-            found = values(ear, 'Rates')
+    port, file, truth = str(tmp_path / 'port'), tmp_path / 'flight.bin', tmp_path / 'truth.jsonl'
+    assert main(['emulate', '--output', str(file), '--truth', str(truth), '--duration', '9',
+                 '--fault', 'drop_frame=0.01']) == 0
+    lost, received = losses(truth)
+    with listening(DIAGNOSTICS) as ear, driver(port):
+        ear.wait('/diagnostics')
+        # An emulator would lose what the node is too busy for; this waits for it.
+        with running('bahrs', 'replay', str(file), '--link', port, '--settle', '3') as player:
+            assert player.wait() == 0
+        assert wait_for(lambda: values(ear, 'Rates')['inertial received']
+                        == str(received['inertial']))
+        found = values(ear, 'Rates')
     assert {name: int(found[f'{name} lost']) for name in received} == {
         name: lost[name] for name in received}
     assert sum(lost.values()) > 10
@@ -138,7 +140,8 @@ def test_the_device_gives_its_name(cable):
             cable.write(CODEC.encode(SoftwareVersion('OSS', 2, 7), 3)
                         + CODEC.encode(HardwareVersion(0x450, (1, 2, 3)), 3))
             assert says(ear, 'Device', OK, 'OSS 2.7')
-            assert status(ear, 'Link').hardware_id == 'OSS-000000010000000200000003'
+            assert wait_for(lambda: status(ear, 'Link').hardware_id
+                            == 'OSS-000000010000000200000003')
 
 
 def test_names_may_be_those_of_the_node(cable):
@@ -153,6 +156,7 @@ def test_self_test(cable):
     with listening(DIAGNOSTICS) as ear, driver(cable.path):
         client = ear.node.create_client(SelfTest, '/bahrs_driver/self_test')
         assert client.wait_for_service(PATIENCE)
+        known(ear)
 
         def ask():
             future = client.call_async(SelfTest.Request())
@@ -162,10 +166,9 @@ def test_self_test(cable):
         before = ask()
         assert before.passed == b'\x00' and before.id == cable.path
         with Device(cable):
-            for task in TASKS:
-                assert says(ear, task, OK, '')
+            # A busy machine may make rates look wrong for a moment.
+            assert wait_for(lambda: ask().passed == b'\x01'), ask()
             after = ask()
-        assert after.passed == b'\x01', after
         assert [item.name for item in after.status] == [
             'Port open and bytes flowing', 'Frames valid', 'Rates right', 'Integrity safe',
             'Clock settled', 'Device plausible']

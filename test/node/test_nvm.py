@@ -8,7 +8,7 @@ from pathlib import Path
 import signal
 
 from bahrs_driver.convert.bahrs import TOPICS
-from devices import DIAGNOSTICS, says, status
+from devices import DIAGNOSTICS, known, says, status
 from diagnostic_msgs.msg import DiagnosticStatus
 from processes import driver, listening, PATIENCE, running, wait_for
 import pytest
@@ -18,26 +18,32 @@ from std_msgs.msg import UInt8MultiArray
 from std_srvs.srv import Trigger
 
 IMAGE = bytes((3 * index + index // 100) % 256 for index in range(8000))
+# With this, each page comes so late that a dump takes ten seconds: time to come between.
+SLOW = ('--latency-timer', '40')
+SERVICES = {'nvm/read_page': Trigger, 'nvm/dump': Trigger, 'nvm/cancel': Trigger,
+            'get_parameters': GetParameters, 'set_parameters': SetParameters}
 HEARD = {**TOPICS, **DIAGNOSTICS, 'nvm/page': UInt8MultiArray}
 
 
 class Services:
     """Calls services of the node."""
 
-    def __init__(self, node):
-        """Take the node to call them from."""
-        self._node = node
+    def __init__(self, ear):
+        """Take the ear to call them from."""
+        self._clients = {name: ear.node.create_client(kind, f'/bahrs_driver/{name}')
+                         for name, kind in SERVICES.items()}
+        for client in self._clients.values():
+            assert client.wait_for_service(PATIENCE)
+        known(ear)
 
-    def start(self, name, kind=Trigger, request=None):
+    def start(self, name, request=None):
         """Call a service and return the future."""
-        client = self._node.create_client(kind, f'/bahrs_driver/{name}')
-        assert client.wait_for_service(PATIENCE)
-        return client.call_async(request or kind.Request())
+        return self._clients[name].call_async(request or SERVICES[name].Request())
 
-    def call(self, name, kind=Trigger, request=None, timeout=PATIENCE):
+    def call(self, name, request=None):
         """Call a service and return its answer."""
-        future = self.start(name, kind, request)
-        assert wait_for(future.done, timeout)
+        future = self.start(name, request)
+        assert wait_for(future.done)
         return future.result()
 
     def ask(self, name):
@@ -68,26 +74,26 @@ def emulator(tmp_path):
 
 def test_read_page_and_dump(emulator, tmp_path):
     """Pages, file, SHA-256, topic; what else is asked meanwhile; and the stream is back."""
-    emulator()
+    emulator(*SLOW)
     file = tmp_path / 'dump.bin'
     with listening(HEARD) as ear, \
             driver(str(tmp_path / 'port'), nvm__page=7, nvm__dump_path=file):
-        services = Services(ear.node)
+        services = Services(ear)
         ear.wait('imu/data', 10)
         assert services.ask('read_page') == (True, {'page': 7, 'data': IMAGE[224:256].hex()})
         assert bytes(ear.wait('nvm/page')[0].data) == IMAGE[224:256]
         value = ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=249)
         request = SetParameters.Request(parameters=[Parameter(name='nvm.page', value=value)])
-        assert services.call('set_parameters', SetParameters, request).results[0].successful
+        assert services.call('set_parameters', request).results[0].successful
         assert services.ask('read_page')[1]['data'] == IMAGE[-32:].hex()
 
         dump = services.start('nvm/dump')
-        assert wait_for(lambda: says(ear, 'Rates', DiagnosticStatus.STALE, 'diagnostics mode'))
+        assert says(ear, 'Rates', DiagnosticStatus.STALE, 'diagnostics mode')
         assert services.ask('read_page') == (
             False, {'error': 'another NVM request is under way: wait for it, or cancel it',
                     'page': 249})
         names = GetParameters.Request(names=['port'])
-        assert services.call('get_parameters', GetParameters, names).values
+        assert services.call('get_parameters', names).values
         assert not dump.done()
         assert 'reading' in {pair.key: pair.value
                              for pair in status(ear, 'Device').values}['NVM session']
@@ -106,7 +112,7 @@ def test_failures_are_told_and_leave_no_file(emulator, tmp_path):
     emulator('--nvm-error-pages', '9')
     file = tmp_path / 'dump.bin'
     with listening(HEARD) as ear, driver(str(tmp_path / 'port'), nvm__dump_path=file):
-        services = Services(ear.node)
+        services = Services(ear)
         ear.wait('imu/data', 10)
         assert services.ask('dump') == (
             False, {'error': 'the device cannot read page 9 (status 255)'})
@@ -115,7 +121,7 @@ def test_failures_are_told_and_leave_no_file(emulator, tmp_path):
         ear.wait('imu/data', len(ear.heard['imu/data']) + 20)
     with listening(HEARD) as ear, \
             driver(str(tmp_path / 'port'), nvm__dump_path='/nowhere/dump.bin'):
-        services = Services(ear.node)
+        services = Services(ear)
         ear.wait('imu/data', 10)
         assert services.ask('dump') == (
             False, {'error': 'cannot write /nowhere/dump.bin: no such folder'})
@@ -123,10 +129,10 @@ def test_failures_are_told_and_leave_no_file(emulator, tmp_path):
 
 def test_cancel_and_unplug(emulator, tmp_path):
     """In the midst of a dump; each time the stream comes back by itself."""
-    device = emulator()
+    device = emulator(*SLOW)
     file = tmp_path / 'dump.bin'
     with listening(HEARD) as ear, driver(str(tmp_path / 'port'), nvm__dump_path=file) as node:
-        services = Services(ear.node)
+        services = Services(ear)
         ear.wait('imu/data', 10)
         for interrupt, error in ((lambda: services.ask('cancel'), 'cancelled'),
                                  (lambda: device.tell('unplug 1'), 'find it')):
@@ -160,10 +166,10 @@ def interrupted(services, ear, interrupt):
 
 def test_ending_the_node_makes_the_device_leave(emulator, tmp_path):
     """At once: this device would not leave by its own time-out before this test gives up."""
-    emulator('--nvm-timeout', '3600')
+    emulator('--nvm-timeout', '3600', *SLOW)
     with listening(HEARD) as ear:
         with driver(str(tmp_path / 'port')) as node:
-            services = Services(ear.node)
+            services = Services(ear)
             ear.wait('imu/data', 10)
             services.start('nvm/dump')
             assert wait_for(lambda: reading(ear))
@@ -178,7 +184,7 @@ def test_a_device_that_lets_in_after_power_on_only(emulator, tmp_path):
     """The message says to switch it off and on; whoever does gets the page."""
     device = emulator('--nvm-window', 'power-on')
     with listening(HEARD) as ear, driver(str(tmp_path / 'port'), nvm__enter_timeout=1.5):
-        services = Services(ear.node)
+        services = Services(ear)
         ear.wait('imu/data', 10)
         success, answer = services.ask('read_page')
         assert not success and 'switch the device off and on' in answer['error']
