@@ -13,17 +13,17 @@ from bahrs_driver.recording.bag_output import BagWriter
 from bahrs_driver.recording.origin import Origin
 from bahrs_driver.recording.serialization import serialized
 from bahrs_driver.recording.topics import Topic
-from devices import Device
+from devices import DEEP, Device
 from emulated import emissions, make_device
 from mcap.reader import make_reader
 from processes import driver, running, wait_for
 import pytest
-from rosbags.rosbag2 import Reader, ReaderError
+from rosbags.rosbag2 import Reader
 from rosbags.typesys import get_typestore, Stores
 
 LONG = 60.0
 STORE = get_typestore(Stores.ROS2_JAZZY)
-NEAR = 2 * 10 ** 9      # ns; a live stamp is what was known then, on a busy machine
+NEAR = 10 * 10 ** 9     # ns; a live stamp is what was known then, on a busy machine
 
 
 def convert(*words):
@@ -69,7 +69,7 @@ def listened(folder):
         with Reader(folder) as reader:
             names = {connection.topic for connection in reader.connections}
             return {f'/{topic}' for topic in (*TOPICS, 'raw')} <= names and reader.message_count
-    except (FileNotFoundError, ReaderError):
+    except Exception:           # whatever half a bag may be taken for
         return False
 
 
@@ -84,7 +84,7 @@ def byte_file(tmp_path):
 def test_what_the_node_published_is_made_again(tmp_path):
     """Every topic, with equal values in equal number and nearly equal stamps."""
     live, made = tmp_path / 'live', tmp_path / 'made'
-    with PtyPort() as port, driver(port.path, publish__raw=True), running(
+    with PtyPort() as port, driver(port.path, publish__raw=True, **DEEP), running(
             'bahrs', 'record', '-o', str(live)) as recorder:
         # Data begins when the recorder listens to all topics, as its first message shows.
         assert wait_for(lambda: listened(live), LONG)

@@ -4,6 +4,7 @@
 
 from collections import Counter
 import json
+import os
 import resource
 import signal
 
@@ -12,19 +13,21 @@ from bahrs_driver.emulator.pty_port import PtyPort
 from bahrs_driver.protocol.bahrs_frames import BahrsFormat
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.recording.capture import read_capture
-from devices import Device
+from devices import DEEP, Device
 from mcap.reader import make_reader
 from processes import driver, running, wait_for
 import pytest
 from rosbags.rosbag2 import Reader
+import yaml
 
 LONG = 60.0
+EVERYTHING = {*(f'/{topic}' for topic in TOPICS), '/raw', '/diagnostics'}
 
 
 @pytest.fixture
 def flying():
     """Let a driver run that publishes all, also the raw bytes."""
-    with PtyPort() as port, driver(port.path, publish__raw=True) as node, Device(port):
+    with PtyPort() as port, driver(port.path, publish__raw=True, **DEEP) as node, Device(port):
         assert wait_for(lambda: 'is open' in node.text, LONG)
         yield
 
@@ -32,6 +35,17 @@ def flying():
 def size(folder):
     """Return how many bytes of a bag are on the disk."""
     return sum(file.stat().st_size for file in folder.glob('*.mcap'))
+
+
+def whole(folder, least):
+    """Return whether a bag has so many bytes, and something of every topic, each found in time."""
+    if size(folder) < least:
+        return False
+    told = yaml.safe_load((folder / 'metadata.yaml').read_text())
+    return EVERYTHING <= {
+        topic['topic_metadata']['name']
+        for topic in told['rosbag2_bagfile_information']['topics_with_message_count']
+        if topic['message_count']}
 
 
 def counted(folder):
@@ -59,13 +73,13 @@ def test_a_signal_ends_it(flying, tmp_path, number):
     """Everything the node publishes is in the bag, which says so itself."""
     bag = tmp_path / 'bag'
     with running('bahrs', 'record', '-o', str(bag), '--json') as recorder:
-        assert wait_for(lambda: size(bag) > 60_000, LONG)
+        assert wait_for(lambda: whole(bag, 60_000), LONG)
         assert recorder.end(number) == 0
     told = json.loads(recorder.lines[-1])
     found = counted(bag)
     assert told['topics'] == {topic: found[topic] for topic in told['topics']}
     assert told['messages'] == sum(found.values())
-    assert {f'/{topic}' for topic in TOPICS} | {'/raw', '/diagnostics'} <= set(found)
+    assert EVERYTHING <= set(found)
     assert unbroken(bag) > 5000
 
 
@@ -73,7 +87,10 @@ def test_killed(flying, tmp_path):
     """What was written is a bag that everybody reads."""
     bag = tmp_path / 'bag'
     with running('bahrs', 'record', '-o', str(bag), '--max-size', '0.05') as recorder:
-        assert wait_for(lambda: (bag / 'bag_1.mcap').exists() and size(bag) > 80_000, LONG)
+        assert wait_for(lambda: (bag / 'bag_1.mcap').exists() and whole(bag, 80_000), LONG)
+        # Stopped first, which no write is cut short by, as one may be by what kills.
+        os.kill(recorder.pid, signal.SIGSTOP)
+        os.waitpid(recorder.pid, os.WUNTRACED)
         assert recorder.end(signal.SIGKILL) == -signal.SIGKILL
     found = counted(bag)
     assert found['/imu/data_raw'] > 100 and found['/integrity']
