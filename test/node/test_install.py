@@ -56,7 +56,7 @@ def test_built_node_publishes_the_recording(prefix, tmp_path):
               f'--params-file {prefix}/bahrs_driver/share/bahrs_driver/config/bahrs.yaml '
               f'-p port:={link}')
     with listening(TOPICS) as ear, running(
-            'bahrs', 'replay', str(part), '--link', link, '--settle', '3') as player:
+            'bahrs', 'replay', str(part), '--link', link, '--loop') as player:
         assert wait_for(lambda: player.lines)
         node = Process(['bash', '-c', script])
         try:

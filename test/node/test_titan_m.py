@@ -39,7 +39,7 @@ def titan(port, replies):
     def serve():
         buffer = b''
         while not ended.is_set():
-            buffer += port.read(0.05)
+            buffer += port.read(0.05) if port.wait_until_open(0.05) else b''
             while len(buffer) >= 8:
                 request, buffer = buffer[:8], buffer[8:]
                 asked.append(request)
