@@ -17,6 +17,7 @@ from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.self_test import answer
 from bahrs_driver.diagnostics.task import Task
 from bahrs_driver.diagnostics.time_task import TimeTask
+from bahrs_driver.ending import Ending
 from bahrs_driver.executor import PatientExecutor
 from bahrs_driver.link import Link, Reading
 from bahrs_driver.nvm_services import NvmServices
@@ -210,7 +211,7 @@ def _link(settings: Mapping[str, Any]) -> Link:
         raise ParameterError(f"parameter port is {settings['port']!r}: {error}") from error
 
 
-def run(ended: Event) -> int:
+def run(ended: Ending) -> int:
     """Run the node until ended; the exit status is not 0 if it could not start."""
     try:
         _check_words(remove_ros_args(sys.argv)[1:])
@@ -225,7 +226,7 @@ def run(ended: Event) -> int:
     return 0
 
 
-def _run(ended: Event) -> None:
+def _run(ended: Ending) -> None:
     """
     Let the node's threads and the executor run until ended or until one of them fails.
 
@@ -241,7 +242,7 @@ def _run(ended: Event) -> None:
         threads = [pool.submit(run) for run in node.threads]
         threads.append(pool.submit(_spin, executor, stopped))
         for thread in threads:
-            thread.add_done_callback(lambda _: ended.set())
+            thread.add_done_callback(lambda _: ended.tell())
         ended.wait()
         node.leave_device()
         node.stop()

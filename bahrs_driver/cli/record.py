@@ -9,12 +9,12 @@ import json
 import math
 import signal
 import sys
-import threading
 import time
 
 from bahrs_driver.cli.arguments import positive
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.ros import check_domain, check_node_name, checked_namespace
+from bahrs_driver.ending import Ending
 from bahrs_driver.recording.bag_output import BagWriter
 from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.recording.recorder import NANOSECONDS, RAW, Recorder
@@ -92,7 +92,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _record(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
-            ended: threading.Event) -> None:
+            ended: Ending) -> None:
     """Write what comes, until ended."""
     begin = file_begin = synced = time.monotonic()
     end, told, empty = begin + max(options.duration, FIRST_WAIT), '', True
@@ -164,14 +164,16 @@ def _report(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
 
 
 @contextlib.contextmanager
-def _ending() -> Iterator[threading.Event]:
+def _ending() -> Iterator[Ending]:
     """Let signals set an event, so that they interrupt no write."""
-    ended = threading.Event()
+    ended = Ending()
     kinds = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-    before = {kind: signal.signal(kind, lambda *_: ended.set()) for kind in kinds}
+    before = {kind: signal.getsignal(kind) for kind in kinds}
+    ended.listen_to(*kinds)
     try:
         yield ended
     finally:
+        signal.set_wakeup_fd(-1)
         for kind, handler in before.items():
             signal.signal(kind, handler)
 

@@ -35,10 +35,12 @@ MAY_IMPORT = {
     'monitor': {'monitor', 'convert'},
     'driver_node': {'node'},
     'node': {'parameters', 'sensors', 'convert', 'recording', 'diagnostics', 'nvm_services',
-             'receiver', 'link', 'executor'},
+             'receiver', 'link', 'executor', 'ending'},
+    'ending': set(),
     'executor': set(),
     'cli': {'cli', 'doctor', 'monitor', 'report', 'convert', 'emulator', 'recording', 'sensors',
-            'parameters', 'nvm_reader', 'whole_file', 'receiver', 'link', 'clock', 'protocol'},
+            'parameters', 'nvm_reader', 'whole_file', 'ending', 'receiver', 'link', 'clock',
+            'protocol'},
     '__init__': set(),
 }
 DEAF = {'protocol', 'clock'}
