@@ -16,6 +16,8 @@ def use_own_domain() -> None:
     """Keep ROS to this machine, and to a domain that nobody else uses on it."""
     os.environ['ROS_DOMAIN_ID'] = str(claim_domain())
     os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+    # No shared memory: what a process that was killed leaves in it, others complain of.
+    os.environ['FASTDDS_BUILTIN_TRANSPORTS'] = 'UDPv4'
 
 
 def claim_domain() -> int:
