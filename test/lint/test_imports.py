@@ -33,7 +33,7 @@ MAY_IMPORT = {
     'report': {'report', 'recording', 'protocol'},
     'doctor': {'doctor', 'convert', 'link', 'protocol'},
     'monitor': {'monitor', 'convert'},
-    'driver_node': {'node'},
+    'driver_node': {'node', 'ending'},
     'node': {'parameters', 'sensors', 'convert', 'recording', 'diagnostics', 'nvm_services',
              'receiver', 'link', 'executor', 'ending'},
     'ending': set(),
