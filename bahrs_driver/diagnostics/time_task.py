@@ -60,26 +60,37 @@ class TimeTask:
         return {
             'Source': state.source,
             'Source in use': state.in_use,
-            'Time messages name': _label(state),
-            'ROS time less device time [s]': _known(state.offset_ns, 1e-9, '.6f'),
-            'Skew [ppm]': f'{state.skew_ppm:.2f}',
-            'Spread [us]': f'{state.spread_us:.1f}',
-            'Period [us]': _known(state.period_us, 1.0, '.3f'),
-            'Epochs': str(state.epochs),
-            'Samples held': str(state.held),
+            **(_exchange(state) if state.source == 'exchange' else _device(state)),
             'Samples stamped with arrival': str(state.arrival_stamps),
-            'Samples dropped': str(state.dropped),
-            'Rejected measurements': str(state.rejected_samples),
-            'Rejected time messages': str(state.rejected_time_messages),
-            'Rejected counters': str(state.rejected_counters),
             'Host clock set': f'{state.host_steps} times, last by {state.last_host_step_s:.6f} s'
             if state.host_steps else 'never',
-            'Sync pulses': f'{state.pulses}, spurious {state.pulses_spurious}, '
-                           f'missing {state.pulses_missing}',
-            'Least delay by pulses [us]': _known(state.pulse_delay_us, 1.0, '.1f'),
             'Median chunk [bytes]': str(state.median_chunk),
             'Advice': _advice(state),
         }
+
+
+def _exchange(state: TimeState) -> Mapping[str, str]:
+    return {'Half a request and its answer, median [us]':
+            f'{state.spread_us:.1f}' if state.settled else 'unknown'}
+
+
+def _device(state: TimeState) -> Mapping[str, str]:
+    return {
+        'Time messages name': _label(state),
+        'ROS time less device time [s]': _known(state.offset_ns, 1e-9, '.6f'),
+        'Skew [ppm]': f'{state.skew_ppm:.2f}',
+        'Spread [us]': f'{state.spread_us:.1f}',
+        'Period [us]': _known(state.period_us, 1.0, '.3f'),
+        'Epochs': str(state.epochs),
+        'Samples held': str(state.held),
+        'Samples dropped': str(state.dropped),
+        'Rejected measurements': str(state.rejected_samples),
+        'Rejected time messages': str(state.rejected_time_messages),
+        'Rejected counters': str(state.rejected_counters),
+        'Sync pulses': f'{state.pulses}, spurious {state.pulses_spurious}, '
+                       f'missing {state.pulses_missing}',
+        'Least delay by pulses [us]': _known(state.pulse_delay_us, 1.0, '.1f'),
+    }
 
 
 def _label(state: TimeState) -> str:

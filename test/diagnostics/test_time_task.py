@@ -55,6 +55,13 @@ def test_values():
     assert TimeTask(Fixed(median_chunk=24)).values(0.0)['Advice'] == 'none'
 
 
+def test_values_of_a_device_that_is_asked():
+    """Nothing about a time that it does not tell."""
+    values = TimeTask(Fixed(source='exchange', in_use='exchange', spread_us=431.25)).values(0.0)
+    assert values['Half a request and its answer, median [us]'] == '431.2'
+    assert not {'Skew [ppm]', 'Epochs', 'Sync pulses'} & set(values)
+
+
 @pytest.mark.parametrize('clock', [ArrivalStamps(), SampleClock()])
 def test_real_clocks_before_the_first_byte(clock):
     """Nothing is known yet, and can be shown."""
