@@ -22,6 +22,7 @@ from bahrs_driver.recording.capture import Capture, PIECE, read_capture
 from bahrs_driver.recording.errors import CaptureError
 
 BAUD_RATE = 115200
+LONGEST_UNREAD = 60.0       # s that a reader may take for the last bytes
 FORMATS: dict[str, Callable[[], FrameFormat]] = {'bahrs': BahrsFormat, 'titan_m': AnswerFormat}
 
 _EXAMPLES = """examples:
@@ -97,6 +98,7 @@ def run(options: argparse.Namespace) -> int:
             if not options.loop:
                 break
         # What is still unread would vanish with the port.
+        port.wait_until_read(LONGEST_UNREAD)
         time.sleep(options.settle)
     _report(options, played, faults, capture.notes if capture else [])
     return 0

@@ -2,10 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """A serial port made of a pseudo-terminal: this is the device's end of the cable."""
 
+import fcntl
 import os
 from pathlib import Path
 import pty
 import select
+import struct
+import termios
 import tty
 
 _READ_SIZE = 4096
@@ -55,6 +58,28 @@ class PtyPort:
             select.select([], [], [], _NOBODY_WAIT)
             waited += _NOBODY_WAIT
         return True
+
+    def wait_until_read(self, timeout: float) -> bool:
+        """Wait until all that was sent is read, or nobody listens; False if not so in seconds."""
+        waited = 0.0
+        while self.is_open and self._unread():
+            if waited >= timeout:
+                return False
+            select.select([], [], [], _NOBODY_WAIT)
+            waited += _NOBODY_WAIT
+        return True
+
+    def _unread(self) -> int:
+        """Return how many bytes wait at the other end; 0 if that is opened for one only."""
+        try:
+            far_end = os.open(self.path, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
+        except OSError:
+            return 0
+        try:
+            count, = struct.unpack('i', fcntl.ioctl(far_end, termios.FIONREAD, bytes(4)))
+        finally:
+            os.close(far_end)
+        return int(count)
 
     def write(self, data: bytes) -> None:
         """Send data; wait where the reader is slow. Without a reader it is lost, as on a cable."""

@@ -56,6 +56,23 @@ def test_it_waits_for_somebody():
         timer.join()
 
 
+def test_it_waits_until_all_is_read():
+    """Or until nobody is there who could."""
+    with PtyPort() as port:
+        assert port.wait_until_read(0.0)
+        with opened(port.path) as far:
+            port.write(bytes(2000))
+            assert not port.wait_until_read(0.05)
+            os.read(far, 1000)
+            assert not port.wait_until_read(0.05)
+            timer = threading.Timer(0.05, os.read, (far, 1000))
+            timer.start()
+            assert port.wait_until_read(60.0)
+            timer.join()
+            port.write(bytes(10))
+        assert port.wait_until_read(0.0)
+
+
 def test_a_reader_who_does_not_read_stops_nobody_who_will_not_wait():
     """It is told how much went; the rest is lost, as on a real line."""
     with PtyPort() as port, opened(port.path) as far:
