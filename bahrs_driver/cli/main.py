@@ -10,6 +10,7 @@ import signal
 import sys
 
 from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.cli.signals import heeded
 
 # Each verb is the module of its name; only the one asked for is imported, so that those that
 # need no ROS work without it.
@@ -42,7 +43,8 @@ def main(args: list[str] | None = None) -> int:
     words = sys.argv[1:] if args is None else args
     verb = words[0] if words else ''
     # What Ctrl-C tidies up is tidied up when somebody ends us in another way, too.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    for kind in heeded((signal.SIGTERM, signal.SIGHUP)):
+        signal.signal(kind, signal.default_int_handler)
     try:
         options = _parser(verb).parse_args(words)
         status: int = options.run(options)

@@ -14,6 +14,7 @@ import time
 from bahrs_driver.cli.arguments import positive
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.ros import check_domain, check_node_name, checked_namespace
+from bahrs_driver.cli.signals import ENDING, heeded
 from bahrs_driver.ending import Ending
 from bahrs_driver.recording.bag_output import BagWriter
 from bahrs_driver.recording.errors import CaptureError
@@ -167,7 +168,7 @@ def _report(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
 def _ending() -> Iterator[Ending]:
     """Let signals set an event, so that they interrupt no write."""
     ended = Ending()
-    kinds = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    kinds = heeded(ENDING)
     before = {kind: signal.getsignal(kind) for kind in kinds}
     ended.listen_to(*kinds)
     try:

@@ -29,10 +29,10 @@ BYTES_PER_SECOND = 8680         # of version 3
 
 
 @contextlib.contextmanager
-def emulator(*words):
+def emulator(*words, start=()):
     """Run the verb with a control line, and end it at the end."""
     child = subprocess.Popen(
-        [sys.executable, '-c', MAIN, 'emulate', *words], stdin=subprocess.PIPE,
+        [*start, sys.executable, '-c', MAIN, 'emulate', *words], stdin=subprocess.PIPE,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, bufsize=1)
     try:
         yield child
@@ -221,6 +221,15 @@ def test_a_signal_ends_it(tmp_path, number):
         status, error = finish(child, '')
         assert status == 0 and 'Traceback' not in error
     assert not os.path.lexists(link)
+
+
+def test_a_hang_up_that_is_ignored_does_not(tmp_path):
+    """Whoever says nohup has it go on."""
+    with emulator(start=('sh', '-c', 'trap "" HUP; exec "$@"', 'sh')) as child:
+        assert child.stdout.readline()
+        child.send_signal(signal.SIGHUP)
+        status, error = finish(child, 'nonsense\nquit\n')
+        assert status == 0 and "no command 'nonsense'" in error
 
 
 def test_it_ends_after_its_duration():
