@@ -185,7 +185,8 @@ class Page:
                  for moment, task, status in self._watch.events]
         if lines:
             lines.insert(0, Text('Changes of level, the latest first', 'dim underline'))
-        return Text('\n', no_wrap=True, overflow='ellipsis').join([Text(), *lines])
+        # A layout takes an empty text for none, and draws a box that says so.
+        return Text('\n', no_wrap=True, overflow='ellipsis').join([Text(' '), *lines])
 
 
 def _figures(width: int, *pairs: tuple[str, str]) -> Text:

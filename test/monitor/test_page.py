@@ -81,6 +81,7 @@ def test_data_shown_and_missed():
     """Attitude, height and health live; then it is said that there is no more data."""
     with PtyPort() as cable, terminal('bahrs', 'monitor') as page:
         assert page.shows('NO DRIVER'), page.text
+        assert 'Layout' not in page.latest          # what rich draws where there is nothing
         with driver(cable.path):
             with Device(cable):
                 assert page.shows('All signals safe'), page.latest
