@@ -18,6 +18,7 @@ from matplotlib.mlab import psd
 import numpy as np
 
 ENOUGH = 60.0               # s of rest, below which nothing is said of noise
+CLIMB = 2.0                 # m/s; a device at rest is not taken to go up or down faster
 LONGEST = 2_000_000         # samples looked at, nearly three hours
 WELCH = 4096                # samples of each piece of a spectrum
 LINE = 3.0                  # times the median density, from which on it is no noise
@@ -170,12 +171,24 @@ def _rest(recording: Recording) -> tuple[slice, float] | None:
     force, rate = (np.where(known, signals.values[name], np.nan) for name, known in (
         ('specific_force', _available(signals.health[:, :3])),
         ('angular_rate', _available(signals.health[:, 3:]))))
+    force[_climbs(recording)] = np.nan
     rest = longest_rest(signals.seconds, force, rate)
     part = slice(rest.begin, min(rest.end, rest.begin + LONGEST))
     if part.stop - part.start < 2:
         return None
     seconds = signals.seconds[part]
     return part, float(seconds[-1] - seconds[0])
+
+
+def _climbs(recording: Recording) -> Array:
+    """Return for each inertial sample whether it is one of a climb or a descent."""
+    # A steady one feels as being at rest does.
+    signals, seconds = recording.navigation, recording.inertial.seconds
+    known = _available(signals.health[:, signals.names.index('velocity_down')])
+    fast = known & (abs(signals.values['velocity_down']) > CLIMB)
+    if not len(fast):
+        return np.zeros(len(seconds), bool)
+    return np.asarray(fast[np.searchsorted(signals.seconds, seconds).clip(max=len(fast) - 1)])
 
 
 def _available(health: Array) -> Array:

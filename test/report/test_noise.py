@@ -1,0 +1,22 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of what is taken for noise at rest."""
+
+from types import SimpleNamespace
+
+from bahrs_driver.emulator.motion import Change, truth
+from bahrs_driver.report.noise import noise_at_rest
+from emulated import make_device, make_emulation
+import pytest
+from recorded import recorded
+
+LEVEL, STILL = Change(0.0), Change(1.0)
+
+
+@pytest.mark.parametrize(('climb', 'rest'), [(12.0, 0.0), (-12.0, 0.0), (0.0, 4.4)])
+def test_a_steady_climb_is_no_rest(climb, rest):
+    """Nor is a descent, though force and rate are as steady as on the ground."""
+    motion = SimpleNamespace(at=lambda time: truth(
+        Change(60.0), Change(climb), LEVEL, STILL, 3000.0 + climb * time))
+    found = noise_at_rest(recorded(make_emulation(make_device(motion)), 5.0, timed=False))
+    assert found == pytest.approx(rest, abs=0.2)
