@@ -14,7 +14,7 @@ from typing import Any
 
 from bahrs_driver.nvm_reader import NvmError, NvmReader
 from bahrs_driver.protocol.nvm import PAGES
-from bahrs_driver.whole_file import write_whole
+from bahrs_driver.whole_file import check_target, write_whole
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from std_msgs.msg import UInt8MultiArray
@@ -45,11 +45,10 @@ class NvmServices:
     def _dump(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         path = Path(self._node.get_parameter('nvm.dump_path').value).expanduser()
         try:
-            if not path.parent.is_dir():        # told before the stream is stopped for it
-                raise NvmError(f'cannot write {path}: no such folder')
+            check_target(path)                  # told before the stream is stopped for it
             image = self._read(range(PAGES))
             write_whole(path, image)
-        except NvmError as error:
+        except (NvmError, ValueError) as error:
             return _answer(response, error=str(error))
         except OSError as error:
             return _answer(response, error=f'cannot write {path}: {error.strerror}')

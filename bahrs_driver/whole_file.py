@@ -7,6 +7,16 @@ from pathlib import Path
 import tempfile
 
 
+def check_target(path: Path) -> None:
+    """Raise ValueError with the reason if a path cannot be that of a file to write."""
+    if path.is_dir():
+        raise ValueError(f'cannot write {path}: it is a folder')
+    if not path.parent.is_dir():
+        raise ValueError(f'cannot write {path}: no such folder')
+    if not (path.exists() or os.access(path.parent, os.W_OK)):
+        raise ValueError(f'cannot write {path}: its folder may not be written into')
+
+
 def write_whole(path: Path, data: bytes) -> None:
     """Write a file such that nobody ever sees half of it; OSError if it cannot be written."""
     if path.exists() and not (path.is_file() or path.is_dir()):

@@ -5,7 +5,8 @@
 import os
 import threading
 
-from bahrs_driver.whole_file import write_whole
+from bahrs_driver.whole_file import check_target, write_whole
+import pytest
 
 
 def test_a_file_is_replaced(tmp_path):
@@ -27,3 +28,12 @@ def test_what_is_no_file_stays_so(tmp_path):
     write_whole(path, b'page')
     reader.join(30)
     assert heard == [b'page'] and path.is_fifo()
+
+
+def test_what_cannot_be_a_file_is_told_beforehand(tmp_path):
+    """With the reason."""
+    check_target(tmp_path / 'new')
+    with pytest.raises(ValueError, match='it is a folder'):
+        check_target(tmp_path)
+    with pytest.raises(ValueError, match='no such folder'):
+        check_target(tmp_path / 'nowhere' / 'new')

@@ -8,6 +8,7 @@ import contextlib
 from dataclasses import asdict, fields
 import hashlib
 import json
+import math
 from pathlib import Path
 import sys
 import threading
@@ -21,14 +22,15 @@ from bahrs_driver.nvm_reader import NvmError, NvmReader
 from bahrs_driver.protocol.bahrs import Inertial
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.framing import Framer
-from bahrs_driver.protocol.nvm import NvmSession, PAGES, State, VARIANTS
-from bahrs_driver.protocol.nvm_image import Assertions, Found, parse
+from bahrs_driver.protocol.nvm import NvmSession, PAGE_SIZE, PAGES, State, VARIANTS
+from bahrs_driver.protocol.nvm_image import Assertions, Found, KNOWN_FORMAT, parse
 from bahrs_driver.receiver import Received, Receiver
-from bahrs_driver.whole_file import write_whole
+from bahrs_driver.whole_file import check_target, write_whole
 from rich.console import Console
 from rich.progress import Progress
 
 LISTEN_TIME = 3.0       # s in which a device that streams, or just starts, is heard
+ERASED = '\xff'         # what memory is full of where nobody has written
 
 _EXAMPLES = (
     'bahrs nvm read 0 --port /dev/ttyUSB0',
@@ -82,8 +84,10 @@ def _read(options: argparse.Namespace) -> int:
 
 def _dump(options: argparse.Namespace) -> int:
     path = Path(options.file)
-    if not path.parent.is_dir():
-        raise CommandError(f'cannot write {path}: no such folder')
+    try:
+        check_target(path)
+    except ValueError as error:
+        raise CommandError(str(error)) from error
     image = _pages(options, range(PAGES))
     try:
         write_whole(path, image)
@@ -191,17 +195,25 @@ def _device(options: argparse.Namespace) -> Iterator[Device]:
 
 def _show(options: argparse.Namespace) -> int:
     with binary_input(options.file) as file:
-        image = file.read()
+        image = file.read(PAGES * PAGE_SIZE + 1)
+    if len(image) > PAGES * PAGE_SIZE:
+        raise CommandError(f'{options.file} is no image: an image has {PAGES * PAGE_SIZE:,} bytes')
     try:
         blocks = list(parse(image))
     except ValueError as error:
         raise CommandError(f'{options.file} is no image: {error}') from error
     if options.json:
-        print(json.dumps({found.block.NAME: {'intact': found.intact, **asdict(found.block)}
-                          for found in blocks}))
+        print(json.dumps({found.block.NAME: {
+            'intact': found.intact,
+            **{name: _finite(value) for name, value in asdict(found.block).items()}}
+            for found in blocks}))
     else:
         for found in blocks:
             _print_block(found)
+    version = blocks[0]
+    if version.intact and (version.block.major, version.block.minor) != KNOWN_FORMAT:
+        print(f'bahrs nvm: the image has format {version.block.major}.{version.block.minor}, and '
+              f'is shown as if it had {KNOWN_FORMAT[0]}.{KNOWN_FORMAT[1]}', file=sys.stderr)
     damaged = [found.block.NAME for found in blocks if found.intact is False]
     if damaged:
         print(f"bahrs nvm: damaged: {', '.join(damaged)}", file=sys.stderr)
@@ -214,12 +226,26 @@ def _print_block(found: Found) -> None:
     print(f'{block.NAME} ({verdict})')
     if isinstance(block, Assertions):
         print(f'  {"position":<20}{block.position}')
-        for line in block.log.splitlines() or ['none']:
-            print(f'  {line}')
+        log = block.log.rstrip(f'\n{ERASED}')
+        for line in log.split('\n') if log else ['none']:
+            print(f'  {_printable(line)}')
         return
     for item in fields(block):
         unit = item.metadata['rows'][1].unit
         print(f'  {item.name:<20}{_plain(getattr(block, item.name))} {unit}'.rstrip())
+
+
+def _printable(text: str) -> str:
+    """Return a text such that a terminal only shows it, whatever is in a damaged memory."""
+    return ''.join(each if each.isascii() and each.isprintable() else f'\\x{ord(each):02x}'
+                   for each in text)
+
+
+def _finite(value: Any) -> Any:
+    """Return what JSON can have; it knows no NaN."""
+    if isinstance(value, tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _plain(value: Any) -> str:

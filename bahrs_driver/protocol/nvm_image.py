@@ -14,6 +14,7 @@ from typing import Any, ClassVar, NamedTuple
 from bahrs_driver.protocol import crc
 from bahrs_driver.protocol.layout import integer, integers, Layout, real, reals, text, Vector, wire
 
+KNOWN_FORMAT = 1, 1         # major, minor
 CRC_SIZE = 4
 
 

@@ -216,6 +216,7 @@ def test_command_line(emulator, tmp_path):
     (['read', '250'], 'page 250 does not exist: pages are 0 to 249'),
     (['read', '0', '--port', '/dev/nowhere'], '/dev/nowhere does not exist'),
     (['dump', '/nowhere/x'], 'cannot write /nowhere/x: no such folder'),
+    (['dump', '.'], 'cannot write .: it is a folder'),
     (['show', '/dev/null'], '/dev/null is no image: 0 bytes are too few'),
     (['show', 'nowhere.bin'], 'cannot read nowhere.bin'),
 ])
