@@ -89,8 +89,13 @@ class Survey(Tracker):
 class Line:
     """Host time by device time, straight from knot to knot."""
 
-    def __init__(self, knots: Sequence[tuple[int, int, float]]) -> None:
-        """Take device times in ns, ascending, with the offset in ns and the skew at each."""
+    def __init__(self, begin: int, knots: Sequence[tuple[int, int, float]]) -> None:
+        """
+        Take device times in ns, ascending, with the offset in ns and the skew at each.
+
+        begin is that of the first sample, which need not have been believed.
+        """
+        self._begin = begin
         self._knots = knots
         self._times = [time for time, _, _ in knots]
 
@@ -102,6 +107,10 @@ class Line:
             return low + (high - low) * (device - before) // (after - before)
         time, offset, skew = self._knots[index - 1 if index else 0]
         return offset + round(skew * (device - time))
+
+    def begins_at(self, device: int) -> bool:
+        """Whether its first samples were of about this device time."""
+        return abs(device - self._begin) <= BUCKET
 
     def skew(self, device: int) -> float:
         """By how much host time runs faster than device time."""
@@ -141,8 +150,9 @@ class SmoothedLines(Tracker):
     def feed(self, device: int, bound: int) -> None:
         """Take a sample, of which only the first of an epoch tells anything."""
         if self._line is None and self._lines:
-            self._line = min(self._lines,
-                             key=lambda line: abs(bound - device - line.offset(device)))
+            # A short line of late samples may lead anywhere, and by chance be near.
+            self._line = min(self._lines, key=lambda line: (
+                not line.begins_at(device), abs(bound - device - line.offset(device))))
 
 
 def _line(buckets: list[Bucket]) -> Line:
@@ -166,8 +176,8 @@ def _line(buckets: list[Bucket]) -> Line:
             FIRST_DEVIATION ** 2)
         weights = [ABOVE if _measured(buckets[index]) - base > offset else 1.0
                    for index, (offset, _) in zip(kept, states)]
-    return Line([(buckets[index].time, base + round(offset), skew)
-                 for index, (offset, skew) in zip(kept, states)])
+    return Line(start, [(buckets[index].time, base + round(offset), skew)
+                        for index, (offset, skew) in zip(kept, states)])
 
 
 def _both(forward: set[int], backward: set[int]) -> set[int]:

@@ -56,7 +56,7 @@ class DeviceTimed(Capture):
 
     def lines(self) -> SmoothedLines:
         """Return how device time goes with the time of the chunks, exactly."""
-        return SmoothedLines(Line([(time, offset, 0.0)]) for time, offset in self._offsets)
+        return SmoothedLines(Line(time, [(time, offset, 0.0)]) for time, offset in self._offsets)
 
     def chunks(self) -> Iterator[Chunk]:
         """Return all bytes, cut behind each time message."""

@@ -114,3 +114,28 @@ def test_a_late_beginning_leads_nobody_astray(late_us):
         device = index * 5_000_000
         error = line.host_time(device) - 10 ** 12 - device * (1 - 30e-6)
         assert abs(error) < 25_000, index
+
+
+def test_a_short_epoch_of_late_samples_is_left_again():
+    """
+    A host that is seconds behind may look like a device whose clock was set, twice.
+
+    The samples in between tell of a clock that runs wild, and what follows is none of theirs.
+    """
+    survey, truth = Survey(), 10 ** 12
+    epochs = [(0, 20_000, 0), (20_000, 21_000, 1_400_000_000), (21_000, 40_000, 700_000_000)]
+    samples = []
+    for begin, end, late in epochs:
+        survey.restart()
+        samples.append([])
+        for index in range(begin, end):
+            # The backlog shrinks within the second one and, at first, within the third.
+            left = max(0, late - (index - begin) * 160_000)
+            samples[-1].append((index * SAMPLE, index * SAMPLE + truth + left))
+            survey.feed(*samples[-1][-1])
+    smooth = survey.lines()
+    for epoch in samples:
+        smooth.restart()
+        smooth.feed(*epoch[0])
+    last = samples[-1][-1][0]
+    assert abs(smooth.host_time(last) - last - truth) < 30_000
