@@ -12,6 +12,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from bahrs_driver.convert import nvm_page
 from bahrs_driver.nvm_reader import NvmError, NvmReader
 from bahrs_driver.protocol.nvm import PAGES
 from bahrs_driver.whole_file import check_target, write_whole
@@ -28,7 +29,7 @@ class NvmServices:
         """Make the services and the topic `nvm/page` on a node that has the nvm parameters."""
         self._node = node
         self._reader = reader
-        self._pages = node.create_publisher(UInt8MultiArray, 'nvm/page', PAGES)
+        self._pages = node.create_publisher(UInt8MultiArray, nvm_page.TOPIC, PAGES)
         group = ReentrantCallbackGroup()
         for name, callback in (('read_page', self._read_page), ('dump', self._dump),
                                ('cancel', self._cancel)):
@@ -63,7 +64,7 @@ class NvmServices:
     def _read(self, wanted: Any) -> bytes:
         pages = self._reader.read(wanted)
         for data in pages.values():
-            self._pages.publish(UInt8MultiArray(data=data))
+            self._pages.publish(nvm_page.message(data))
         return b''.join(pages[number] for number in wanted)
 
 

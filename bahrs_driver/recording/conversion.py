@@ -13,7 +13,8 @@ from typing import Any, NamedTuple, Protocol
 
 from bahrs_driver.clock import Clock, Instant, SampleClock, Stamped
 from bahrs_driver.clock.smoother import SmoothedLines, Survey
-from bahrs_driver.convert import raw
+from bahrs_driver.convert import nvm_page, raw
+from bahrs_driver.protocol.bahrs import NvmPage
 from bahrs_driver.recording import flight_health
 from bahrs_driver.recording.byte_times import DeviceTimed
 from bahrs_driver.recording.capture import Capture, Chunk
@@ -75,6 +76,8 @@ class Conversion:
         topics = dict(sensor.topics)
         if self._given.timed:
             topics[raw.TOPIC] = UInt8MultiArray
+        if sensor.nvm:
+            topics[nvm_page.TOPIC] = UInt8MultiArray
         topics[flight_health.TOPIC] = DiagnosticArray
         health = FlightHealth(sensor, clock, self._settings)
         output.begin(topics, {topic for topic in topics if topic in sensor.latched})
@@ -84,6 +87,8 @@ class Conversion:
             self._tell(health.before(chunk))
             for message, _, stamp_ns in batch:
                 self._take(sensor.converter.convert(message, stamp_ns), stamp_ns, health.counts)
+                if isinstance(message, NvmPage):
+                    self._hold(now, nvm_page.TOPIC, nvm_page.message(message.data))
             self._tell(health.after(chunk, batch))
             if ended:
                 self._take(sensor.converter.lost(now), now, health.counts)

@@ -24,7 +24,7 @@ MAY_IMPORT = {
     'whole_file': set(),
     'nvm_reader': {'link', 'protocol'},
     'requester': {'link', 'clock', 'protocol'},
-    'nvm_services': {'nvm_reader', 'whole_file', 'protocol'},
+    'nvm_services': {'convert', 'nvm_reader', 'whole_file', 'protocol'},
     'sensors': {'clock', 'convert', 'diagnostics', 'nvm_reader', 'receiver', 'requester',
                 'sensors', 'link', 'protocol'},
     'diagnostics': {'clock', 'diagnostics', 'receiver', 'link', 'protocol'},

@@ -8,8 +8,9 @@ from bahrs_driver.convert.bahrs import TOPICS
 from bahrs_driver.convert.titan_m import TOPICS as TITAN_TOPICS
 from bahrs_driver.link import Link
 from bahrs_driver.parameters import defaults
-from bahrs_driver.protocol.bahrs import InertialTime
+from bahrs_driver.protocol.bahrs import InertialTime, NvmPage
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec
+from bahrs_driver.protocol.nvm import PAGE_SIZE
 from bahrs_driver.protocol.titan_m import StateRequest
 from bahrs_driver.recording.capture import Capture, Chunk, read_capture
 from bahrs_driver.recording.conversion import Conversion
@@ -99,7 +100,7 @@ def test_stamps_are_near_the_truth_from_the_first_on(tmp_path):
     errors = [stamp - true for stamp, true in zip(stamps(kept), truth)]
     assert len(errors) > 1400
     assert max(errors) - min(errors) < 60_000 and abs(min(errors)) < 100_000
-    assert set(kept.messages) == {*TOPICS, 'raw', '/diagnostics'}
+    assert set(kept.messages) == {*TOPICS, 'raw', 'nvm/page', '/diagnostics'}
     assert kept.latched == {'integrity'}
     assert all(kept.messages[topic] for topic in TOPICS if topic != 'sync_pulse')
     assert kept.times == sorted(kept.times)
@@ -107,6 +108,18 @@ def test_stamps_are_near_the_truth_from_the_first_on(tmp_path):
         chunk.data for chunk in chunks)
     assert [time for time, _ in kept.messages['imu/data_raw']] == stamps(kept)
     assert outcome.messages == len(kept.times) and outcome.skipped_bytes < 28
+
+
+def test_pages_of_the_memory(tmp_path):
+    """What a service read in the flight is on its topic again."""
+    chunks, _ = flight(2.0)
+    page = bytes(range(PAGE_SIZE))
+    *before, last = chunks
+    later = last._replace(data=BahrsCodec().encode(NvmPage(3, page), 3, 'crc32'),
+                          read_at=last.read_at + S, raw_at=last.raw_at + S)
+    kept, _ = converted(Pieces([*before, last, later], tmp_path))
+    ((time, message),) = kept.messages['nvm/page']
+    assert message.data.tobytes() == page and time == later.read_at
 
 
 def test_diagnostics_tell_of_the_flight(tmp_path):
