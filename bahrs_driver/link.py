@@ -40,7 +40,7 @@ class LinkError(Exception):
 
 
 class Reading(NamedTuple):
-    """The bytes of one read, and the moment right after it."""
+    """The bytes of one read, and a moment when all of them had come; nearly the first such."""
 
     data: bytes
     now: Instant
@@ -101,15 +101,11 @@ class Link:
     def read(self) -> Reading | None:
         """Wait for bytes and take all there are; None if none came in time, LinkError if gone."""
         try:
-            if self._is_socket:
-                data = self._read_socket()
-            else:
-                data = self._serial.read(self._serial.in_waiting or 1)
+            return self._read_socket() if self._is_socket else self._read_port()
         except OSError as error:
             remedy = 'the driver goes on trying' if self._is_url \
                 else 'plug it in again, the driver will find it'
             raise LinkError(f'{self.port} is gone: {remedy}', absent=True) from error
-        return Reading(data, now()) if data else None
 
     def write(self, data: bytes) -> None:
         """Send all of data. LinkError if the port is gone or takes no more."""
@@ -137,18 +133,36 @@ class Link:
             self.port, baudrate=self.baud_rate, timeout=READ_TIMEOUT,
             write_timeout=WRITE_TIMEOUT, exclusive=True, do_not_open=True)
 
-    def _read_socket(self) -> bytes:
+    def _read_port(self) -> Reading | None:
+        # What an adapter hands over at once is one read, under one time: who wakes up for its
+        # first byte and comes back for the others is late for them by all it did in between.
+        first = b''
+        if not self._serial.in_waiting:
+            first = self._serial.read(1)
+            if not first:
+                return None
+        try:
+            waiting = self._serial.in_waiting
+            moment = now()
+            return Reading(first + self._serial.read(waiting) if waiting else first, moment)
+        except OSError:             # the port is gone; the next read will say so
+            if not first:
+                raise
+            return Reading(first, now())
+
+    def _read_socket(self) -> Reading | None:
         # A socket cannot say how much is waiting: take the first byte, then all that is there.
-        first: bytes = self._serial.read(1)
-        if not first:
-            return first
+        data: bytes = self._serial.read(1)
+        if not data:
+            return None
         self._serial.timeout = 0
         try:
-            return first + bytes(self._serial.read(SOCKET_CHUNK))
+            data += self._serial.read(SOCKET_CHUNK)
         except OSError:             # the other end has closed; the next read will say so
-            return first
+            pass
         finally:
             self._serial.timeout = READ_TIMEOUT
+        return Reading(data, now())
 
     def _why_not_open(self, error: Exception) -> LinkError:
         code = getattr(error, 'errno', None)
