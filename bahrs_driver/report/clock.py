@@ -10,6 +10,7 @@ lies above it how unevenly data arrives.
 
 from dataclasses import dataclass
 
+from bahrs_driver.clock.host import FASTEST_SLEW, STEP
 from bahrs_driver.report.gather import Recording
 from bahrs_driver.report.timeline import Array
 import numpy as np
@@ -17,6 +18,7 @@ import numpy as np
 NANOSECOND = 1e-9
 BUCKET = 1.0            # s, in which the least delay is looked for
 ENOUGH = 10             # buckets for a line through them
+SPAN = 5.0              # s; what is late for so long stays so
 
 
 @dataclass(frozen=True)
@@ -44,35 +46,63 @@ def clock_story(recording: Recording) -> ClockStory | None:
     if not known.any():
         return None
     number, seconds = number[known], axis.seconds[known]
-    arrival = (reads.ros_ns[number] - reads.ros_ns[0]) * NANOSECOND
+    host = reads.ros_ns if reads.raw_ns is None else reads.raw_ns
+    arrival = (host[number] - host[0]) * NANOSECOND
     # Bytes that came behind a frame in the same read took their time on the line after it.
     behind = (reads.received[number] - recording.inertial_end[known]) * reads.byte_ns * NANOSECOND
     late = arrival - seconds
     offset = float(arrival[0] - axis.device_us[known][0] * 1e-6)
-    steps = _steps(late)
-    for index in steps:
-        late[index:] -= late[index] - late[index - 1]
+    jumps = _jumps(seconds, late)
+    for index, size in jumps:
+        late[index:] -= size
     drift, base = _envelope(seconds, late - behind)
     delay = late - (base + (drift or 0.0) * seconds)
     sizes = np.diff(reads.received, prepend=0)
     return ClockStory(
         seconds, delay, None if drift is None else -drift * 1e6,
-        offset + float(reads.ros_ns[0]) * NANOSECOND, len(steps), int(np.median(sizes)),
-        float(np.diff(reads.ros_ns).max()) * NANOSECOND, float(np.percentile(delay, 99)))
+        offset + float(reads.ros_ns[0]) * NANOSECOND,
+        len(jumps) if reads.raw_ns is None else _times_set(reads.ros_ns, reads.raw_ns),
+        int(np.median(sizes)), float(np.diff(host).max()) * NANOSECOND,
+        float(np.percentile(delay, 99)))
 
 
-def _steps(late: Array) -> list[int]:
-    """Return the samples from which on everything is later or earlier by more than a second."""
-    return [int(index) + 1 for index in np.flatnonzero(abs(np.diff(late)) > 1.0)]
+def _times_set(ros_ns: Array, raw_ns: Array) -> int:
+    """Return how often ROS time moved against a clock that nobody sets, faster than by a slew."""
+    elapsed = np.diff(raw_ns)
+    return int((abs(np.diff(ros_ns) - elapsed) > STEP + FASTEST_SLEW * elapsed).sum())
+
+
+def _jumps(seconds: Array, late: Array) -> list[tuple[int, float]]:
+    """
+    Return the samples from which on everything is late by another second or more, and by how many.
+
+    What a stalled host is late for is none of these: it is soon prompt again. Less than 0 is early.
+    """
+    starts = _starts(seconds, SPAN)
+    least = np.minimum.reduceat(late, starts)
+    bounds = [*starts, len(late)]
+    found = []
+    for place in np.flatnonzero(abs(np.diff(least)) > 1.0):
+        size = float(least[place + 1] - least[place])
+        low, high = bounds[place] + 1, bounds[min(place + 2, len(starts))]
+        change = np.diff(late[low - 1:high])
+        found.append((int(low + np.argmax(change * np.sign(size))), size))
+    return found
+
+
+def _starts(seconds: Array, span: float) -> Array:
+    """Return the first sample of each span of so many seconds that has any."""
+    return np.flatnonzero(np.diff((seconds / span).astype(np.int64), prepend=-1))
 
 
 def _envelope(seconds: Array, late: Array) -> tuple[float | None, float]:
     """Return slope and start of a line below all delays; no slope if there are too few."""
-    bucket = (seconds / BUCKET).astype(np.int64)
-    starts = np.flatnonzero(np.diff(bucket, prepend=-1))
+    starts = _starts(seconds, BUCKET)
     least = np.minimum.reduceat(late, starts)
-    middle = seconds[starts]
     if len(starts) < ENOUGH:
         return None, float(least.min())
-    slope = float(np.polyfit(middle, least, 1)[0])
+    # The median of slopes over half the recording: some seconds that are late bend it nowhere.
+    half = len(starts) // 2
+    slopes = (least[half:] - least[:-half]) / (seconds[starts][half:] - seconds[starts][:-half])
+    slope = float(np.median(slopes))
     return slope, float((late - slope * seconds).min())

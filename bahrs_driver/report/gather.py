@@ -37,6 +37,7 @@ class Reads:
     """What each read of the host brought."""
 
     ros_ns: Array
+    raw_ns: Array | None                # on a clock that nobody sets, if the recording has it
     received: Array                     # bytes of the stream by then
     byte_ns: int                        # that a byte takes on the line; 0 if not known
 
@@ -75,7 +76,7 @@ def gather(capture: Capture, crc: Any = 'auto', height_format: Any = 'uint16',
     """Read a capture; progress is called after each piece. CaptureError if it cannot be read."""
     frame_format, codec = BahrsFormat(crc), BahrsCodec(height_format)
     framer, batch = Framer(frame_format), Batch(codec.layouts_by_header)
-    times, received = array('q'), array('q')        # there are millions
+    times, raws, received = array('q'), array('q'), array('q')      # there are millions
     opening = openings = 0
     for chunk in capture.chunks():
         if chunk.opening != opening:
@@ -84,10 +85,13 @@ def gather(capture: Capture, crc: Any = 'auto', height_format: Any = 'uint16',
         batch.add(framer.feed(chunk.data))
         if chunk.read_at is not None:
             times.append(chunk.read_at)
+            if chunk.raw_at is not None:
+                raws.append(chunk.raw_at)
             received.append(framer.received)
         progress()
     batch.add(framer.flush())
-    reads = Reads(np.array(times), np.array(received), capture.byte_ns or 0) if times else None
+    reads = Reads(np.array(times), np.array(raws) if len(raws) == len(times) else None,
+                  np.array(received), capture.byte_ns or 0) if times else None
     return _recording(capture, batch, framer, frame_format, codec, reads, openings)
 
 

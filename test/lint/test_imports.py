@@ -30,7 +30,7 @@ MAY_IMPORT = {
     'diagnostics': {'clock', 'diagnostics', 'receiver', 'link', 'protocol'},
     'recording': {'recording', 'sensors', 'convert', 'diagnostics', 'receiver', 'clock',
                   'protocol', 'whole_file'},
-    'report': {'report', 'recording', 'protocol'},
+    'report': {'report', 'recording', 'clock', 'protocol'},
     'doctor': {'doctor', 'convert', 'link', 'protocol'},
     'monitor': {'monitor', 'convert'},
     'driver_node': {'node', 'ending'},

@@ -79,6 +79,35 @@ def test_a_host_clock_that_was_set():
     assert story.host_steps == 1 and story.late_99 < 0.02
 
 
+def test_a_host_that_stalled():
+    """It is no clock that was set, nor one that drifts."""
+    class Stalled(MadeUp):
+        def chunks(self):
+            held, until = b'', 1_700_000_018_000_000_000
+            for chunk in super().chunks():
+                at, held = chunk.read_at, held + chunk.data
+                if not until - 1_500_000_000 < at < until:
+                    yield chunk._replace(data=held, raw_at=at - 10 ** 18)
+                    held = b''
+
+    story = clock_story(gather(Stalled(make_emulation(make_device(drift_ppm=40.0)), 30.0)))
+    assert story.host_steps == 0 and story.drift_ppm == pytest.approx(40.0, abs=5.0)
+    assert 1.4 < story.longest_pause < 1.6 and story.delay.max() == pytest.approx(1.5, abs=0.02)
+
+
+def test_a_host_clock_that_was_set_beside_one_that_nobody_sets():
+    """However little, it is told; delays have nothing to do with it."""
+    class Stepped(MadeUp):
+        def chunks(self):
+            for chunk in super().chunks():
+                late = chunk.read_at > 1_700_000_015_000_000_000
+                yield chunk._replace(read_at=chunk.read_at - 2_000_000 * late,
+                                     raw_at=chunk.read_at - 10 ** 18)
+
+    story = clock_story(gather(Stepped(make_emulation(), 30.0)))
+    assert story.host_steps == 1 and story.late_99 < 0.02
+
+
 def test_losses_and_damage():
     """Both are counted, as the emulator's truth has it."""
     emulation = make_emulation(bit_flip=0.0002, drop_frame=0.01)
