@@ -13,7 +13,7 @@ help:
 	@echo 'make test     all tests and linters'
 	@echo 'make lint     linters only'
 	@echo 'make bench    what a frame costs, with its floor'
-	@echo 'make bench-clock   how far stamps are from the truth; ten minutes'
+	@echo 'make bench-clock   how far stamps are from the truth; twenty minutes'
 	@echo 'make docs     write the tables of the README from the code'
 	@echo 'make build    build with colcon into install/'
 	@echo 'make setup    make .venv'

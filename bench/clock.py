@@ -183,7 +183,10 @@ def report(node: bool) -> Iterator[str]:
     if node:
         from clock_node import measured, NODE_HEADER
         yield ('## In a subscriber\n\nEmulated device on a real pseudo-terminal, driver, '
-               'middleware; against the truth that the emulator wrote.')
+               'middleware; against the truth that the emulator wrote. The floor is the '
+               'machine itself: from a write into a bare pseudo-terminal to who waits for it, '
+               'the least delay of each half second. A driver sees through it no better than it '
+               'holds still.')
         yield table(NODE_HEADER, measured())
         yield ('## A flight and its conversion\n\nEmulated device, driver with `publish.raw`, '
                '`bahrs record`, `bahrs convert`; all stamps of both bags, from the first on.')

@@ -8,6 +8,7 @@ from pathlib import Path
 import tempfile
 import time
 
+from clock_floor import least_delays
 from clock_table import figures
 from domain import use_own_domain
 from processes import driver, listening, running, wait_for
@@ -16,16 +17,18 @@ from sensor_msgs.msg import Imu
 NODE_HEADER = ('latency timer', 'time.source', 'stamps', 'p50', 'p99', 'max', 'wander p99',
                'wander max')
 TIMERS = ('16', 'packets', '1', 'none')
-SECONDS = {'arrival': 18, 'device': 45, 'sync_pulse': 18}
+SECONDS = {'arrival': 18, 'device': 60, 'sync_pulse': 18}
 SETTLED = 10.0      # s
 SEED = 101
 PERIOD, EARLIEST = 5_000_000, 1_000_000      # ns
 
 
 def measured() -> Iterator[tuple[object, ...]]:
-    """Yield rows: each adapter with each source."""
+    """Yield rows: each adapter with each source, and the floor."""
     use_own_domain()
     for timer in TIMERS:
+        floor = least_delays(timer)
+        yield timer, 'floor', str(len(floor)), *figures(floor)
         for source in ('arrival', 'device', 'sync_pulse'):
             errors = list(run(timer, source))
             yield timer, source, str(len(errors)), *figures(errors)

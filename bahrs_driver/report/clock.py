@@ -76,7 +76,7 @@ def _jumps(seconds: Array, late: Array) -> list[tuple[int, float]]:
     """
     Return the samples from which on everything is late by another second or more, and by how many.
 
-    What a stalled host is late for is none of these: it is soon prompt again. Less than 0 is early.
+    What a stalled host is late for is none of these: it is soon prompt again. Below 0 is early.
     """
     starts = _starts(seconds, SPAN)
     least = np.minimum.reduceat(late, starts)
