@@ -98,8 +98,8 @@ def run(options: argparse.Namespace) -> int:
             if not options.loop:
                 break
         # What is still unread would vanish with the port.
-        port.wait_until_read(LONGEST_UNREAD)
         time.sleep(options.settle)
+        port.wait_until_read(LONGEST_UNREAD)
     _report(options, played, faults, capture.notes if capture else [])
     return 0
 

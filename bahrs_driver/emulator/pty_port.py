@@ -60,7 +60,11 @@ class PtyPort:
         return True
 
     def wait_until_read(self, timeout: float) -> bool:
-        """Wait until all that was sent is read, or nobody listens; False if not so in seconds."""
+        """
+        Wait until all that was sent is read, or nobody listens; False if not so in seconds.
+
+        What was sent a moment ago may not be there to be read yet, and is then not seen.
+        """
         waited = 0.0
         while self.is_open and self._unread():
             if waited >= timeout:

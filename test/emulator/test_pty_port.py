@@ -9,6 +9,7 @@ import select
 import threading
 
 from bahrs_driver.emulator.pty_port import PtyPort
+from processes import wait_for
 import pytest
 
 
@@ -56,16 +57,25 @@ def test_it_waits_for_somebody():
         timer.join()
 
 
+def take(descriptor, count):
+    """Read so many bytes, however the system hands them over."""
+    while count:
+        assert select.select([descriptor], [], [], 60.0)[0]
+        count -= len(os.read(descriptor, count))
+
+
 def test_it_waits_until_all_is_read():
     """Or until nobody is there who could."""
     with PtyPort() as port:
         assert port.wait_until_read(0.0)
         with opened(port.path) as far:
             port.write(bytes(2000))
-            assert not port.wait_until_read(0.05)
-            os.read(far, 1000)
-            assert not port.wait_until_read(0.05)
-            timer = threading.Timer(0.05, os.read, (far, 1000))
+            for count in (1000, 999):
+                take(far, count)
+                # What was sent is there to be read a moment later, and stays so.
+                assert wait_for(lambda: not port.wait_until_read(0.0))
+                assert not port.wait_until_read(0.05)
+            timer = threading.Timer(0.05, take, (far, 1))
             timer.start()
             assert port.wait_until_read(60.0)
             timer.join()
