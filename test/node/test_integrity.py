@@ -162,14 +162,18 @@ def check_navigation(heard, notices, sent):
 
 def check_attitude(heard, notices, inertial, navigation):
     """Orientation has the worth of roll, pitch and heading, or is not reported."""
-    begin = number(heard['imu/data'][0]) // 2
+    imus = heard['imu/data']
+    # What the port brought first may be a navigation message without its inertial sample.
+    while math.isnan(imus[0].linear_acceleration.x):
+        imus = imus[1:]
+    begin = number(imus[0]) // 2
     sent = [(message, inertial[2 * turn].health) for turn, message in enumerate(navigation)
             if turn >= begin and 2 * turn < len(inertial)]
     published = [message for message, health in sent
                  if level(message) or any(state.available for state in health)]
     complete = []               # stamps of those from which a field can be derived
     # The first may have come before the first accuracy message.
-    for imu, message in list(zip(heard['imu/data'], published))[20:]:
+    for imu, message in list(zip(imus, published))[20:]:
         check_notice(notices.at(nanoseconds(imu)), message)
         if not level(message):
             assert imu.orientation_covariance[0] == -1
@@ -183,7 +187,9 @@ def check_attitude(heard, notices, inertial, navigation):
             complete.append(nanoseconds(imu))
     fields = [nanoseconds(field) for field in heard['imu/mag']]
     assert len(complete) > 100
-    assert all(a == b for a, b in zip(complete, fields[fields.index(complete[0]):]))
+    begin = max(complete[0], fields[0])     # whichever topic was found later
+    assert all(a == b for a, b in zip(complete[complete.index(begin):],
+                                      fields[fields.index(begin):]))
 
 
 def level(message):
