@@ -5,7 +5,7 @@
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 import sys
-from threading import Event
+from threading import Event, Lock
 import time
 from typing import Any
 
@@ -61,6 +61,7 @@ class DriverNode(Node):
         self._time_task = TimeTask(sensor.clock)
         self._counts = dict.fromkeys(sensor.topics, 0)
         self._monitor = self._make_monitor(settings)
+        self._reporting = Lock()        # or an older report could overtake a newer one
         self._data = {topic: self._publisher(message_type, topic, topic in sensor.latched)
                       for topic, message_type in sensor.topics.items()}
         self._sensor_name, self._byte_ns = settings['sensor'], 0
@@ -100,7 +101,7 @@ class DriverNode(Node):
         self._sensor.health.opened()
         if self._sensor.requester:
             self._sensor.requester.opened()
-        self._report()
+        self._report_change()
 
     def link_failed(self, reason: str) -> None:
         """Tell why there is no data."""
@@ -110,7 +111,7 @@ class DriverNode(Node):
             self._sensor.nvm.lost(reason)
         if self._sensor.requester:
             self._sensor.requester.lost()
-        self._report()
+        self._report_change()
 
     def bytes_read(self, reading: Reading) -> None:
         """Publish the bytes of a read, if they are wanted."""
@@ -144,8 +145,10 @@ class DriverNode(Node):
         self._report_change()
 
     def _report_change(self) -> None:
-        if self._monitor.level_changed():
-            self._report()
+        """Publish the diagnostics if they changed; what comes too soon waits for the timer."""
+        with self._reporting:
+            if self._monitor.change_due():
+                self._publish_report()
 
     def time_changed(self, sentence: str) -> None:
         """Tell what happened to a clock."""
@@ -171,6 +174,11 @@ class DriverNode(Node):
             self._counts[topic] += 1
 
     def _report(self) -> None:
+        with self._reporting:
+            if self._monitor.report_allowed():
+                self._publish_report()
+
+    def _publish_report(self) -> None:
         array = DiagnosticArray(status=self._monitor.statuses())
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)

@@ -1,13 +1,23 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""All tasks together: what goes out on /diagnostics, and when it must go out at once."""
+"""
+All tasks together: what goes out on /diagnostics, and when it must go out at once.
+
+A change of level or message is reported at once, but never more than 20 times a second. Numbers
+do not count: a message such as "Lost just now: 3 inertial" changes with each loss, and what is
+new of it comes with the next periodic report.
+"""
 
 from collections.abc import Callable, Sequence
+import re
 import threading
 import time
 
 from bahrs_driver.diagnostics.task import Task, Verdict
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+
+LEAST_INTERVAL = 0.05       # s from one report to the next
+_NUMBER = re.compile(r'\d+([.,]\d+)*')
 
 
 class Monitor:
@@ -21,18 +31,25 @@ class Monitor:
         self._hardware_id = hardware_id
         self._clock = clock
         self._lock = threading.Lock()
-        self._told: list[bytes] = []
+        self._reported: list[tuple[bytes, str]] = []
+        self._reported_at = -LEAST_INTERVAL
 
     @property
     def hardware_id(self) -> str:
         """Name of the device."""
         return self._hardware_id()
 
-    def level_changed(self) -> bool:
-        """Return whether a task has another level than when the statuses were last asked for."""
+    def report_allowed(self) -> bool:
+        """Return whether the latest report is LEAST_INTERVAL old."""
+        with self._lock:
+            return self._clock() - self._reported_at >= LEAST_INTERVAL
+
+    def change_due(self) -> bool:
+        """Return whether a level or message differs from the latest report, and may go out."""
         with self._lock:
             now = self._clock()
-            return [task.judge(now).level for task in self._tasks] != self._told
+            return now - self._reported_at >= LEAST_INTERVAL and \
+                [_without_numbers(*task.judge(now)) for task in self._tasks] != self._reported
 
     def verdicts(self) -> dict[str, Verdict]:
         """Return the present state of each task, by name."""
@@ -45,7 +62,9 @@ class Monitor:
         with self._lock:
             now, hardware_id = self._clock(), self._hardware_id()
             statuses = [self._status(task, now, hardware_id) for task in self._tasks]
-            self._told = [status.level for status in statuses]
+            self._reported = [_without_numbers(status.level, status.message)
+                              for status in statuses]
+            self._reported_at = now
             return statuses
 
     def _status(self, task: Task, now: float, hardware_id: str) -> DiagnosticStatus:
@@ -53,3 +72,7 @@ class Monitor:
         values = [KeyValue(key=key, value=value) for key, value in task.values(now).items()]
         return DiagnosticStatus(level=level, name=f'{self._prefix}: {task.name}', message=message,
                                 hardware_id=hardware_id, values=values)
+
+
+def _without_numbers(level: bytes, message: str) -> tuple[bytes, str]:
+    return level, _NUMBER.sub('#', message)

@@ -67,7 +67,7 @@ class FlightHealth:
             self._time_task.notice(sentence, seconds)
         for message, _, _ in batch:
             self._health.observe(message, seconds)
-        if self._now >= self._due or self._monitor.level_changed():
+        if self._now >= self._due or self._monitor.change_due():
             yield self._report(self._now)
 
     def _report(self, now: int) -> tuple[int, DiagnosticArray]:

@@ -2,23 +2,24 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the tasks together, and of the self-test."""
 
-from bahrs_driver.diagnostics.monitor import Monitor
+from bahrs_driver.diagnostics.monitor import LEAST_INTERVAL, Monitor
 from bahrs_driver.diagnostics.self_test import answer
 from bahrs_driver.diagnostics.task import ERROR, OK, Verdict, WARN
 from diagnostic_msgs.srv import SelfTest
+from hypothesis import given, strategies as st
 import pytest
 
 
 class Told:
     """A task that says what the test wants."""
 
-    def __init__(self, name, level=OK):
-        """Begin with a level."""
-        self.name, self.level = name, level
+    def __init__(self, name, level=OK, message=None):
+        """Begin with a level, and a message if it is not the time."""
+        self.name, self.level, self.message = name, level, message
 
     def judge(self, now):
         """Say it."""
-        return Verdict(self.level, f'at {now}')
+        return Verdict(self.level, f'at {now}' if self.message is None else self.message)
 
     def values(self, now):
         """Show the time."""
@@ -36,17 +37,75 @@ def test_statuses():
     assert first.hardware_id == monitor.hardware_id == 'OSS-1'
 
 
-def test_a_level_has_changed_until_it_was_told():
-    """So that it can go out at once, and once."""
-    task = Told('Link')
-    monitor = Monitor([task], 'bahrs_driver', lambda: '')
-    assert monitor.level_changed()
+class Clock:
+    """A clock that stands where the test puts it."""
+
+    def __init__(self):
+        """Begin late enough for a first report."""
+        self.now = 100.0
+
+    def __call__(self):
+        """Return the time in seconds."""
+        return self.now
+
+
+@pytest.fixture
+def clock():
+    """Return a clock."""
+    return Clock()
+
+
+@pytest.mark.parametrize('level, message', [
+    (ERROR, 'roll unavailable'), (WARN, 'roll, pitch integrity risk'), (WARN, '')])
+def test_a_change_is_due_until_it_was_reported(clock, level, message):
+    """Of the level, or of the message alone."""
+    task = Told('Integrity', WARN, 'roll integrity risk')
+    monitor = Monitor([Told('Link', OK, 'open'), task], 'bahrs_driver', lambda: '', clock)
+    assert monitor.change_due()
     monitor.statuses()
-    assert not monitor.level_changed()
-    task.level = ERROR
-    assert monitor.level_changed()
+    clock.now += 1.0
+    assert not monitor.change_due()
+    task.level, task.message = level, message
+    assert monitor.change_due()
     monitor.statuses()
-    assert not monitor.level_changed()
+    clock.now += 1.0
+    assert not monitor.change_due()
+
+
+def test_numbers_alone_are_no_change(clock):
+    """Or a counter in a message would have every sample reported."""
+    task = Told('Rates', WARN, 'Lost just now: 3 inertial')
+    monitor = Monitor([task], 'bahrs_driver', lambda: '', clock)
+    monitor.statuses()
+    clock.now += 0.1
+    for message in ('Lost just now: 4 inertial', 'Lost just now: 1,024 inertial'):
+        task.message = message
+        assert not monitor.change_due()
+    task.message = 'Lost just now: 4 inertial, 1 navigation'
+    assert monitor.change_due()
+
+
+@given(st.lists(st.tuples(
+    st.floats(0.0, 0.2), st.sampled_from([OK, WARN, ERROR]), st.sampled_from('abc')),
+    min_size=1))
+def test_reports_are_apart_and_the_final_state_is_among_them(steps):
+    """Whatever changes how often, if somebody asks once more after the interval."""
+    clock, task = Clock(), Told('Integrity', OK, 'a')
+    monitor, reports = Monitor([task], 'bahrs_driver', lambda: '', clock), []
+
+    def look():
+        if monitor.change_due():
+            (status,) = monitor.statuses()
+            reports.append((clock.now, status.level, status.message))
+
+    for pause, task.level, task.message in steps:
+        clock.now += pause
+        look()
+    clock.now += 1.01 * LEAST_INTERVAL
+    look()
+    assert reports[-1][1:] == (task.level, task.message)
+    assert all(after - before >= LEAST_INTERVAL - 1e-9
+               for (before, *_), (after, *_) in zip(reports, reports[1:]))
 
 
 def test_self_test_passes_when_every_test_does():

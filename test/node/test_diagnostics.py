@@ -6,6 +6,7 @@ from collections import Counter
 import json
 import os
 import stat
+import time
 
 from bahrs_driver.cli.main import main
 from bahrs_driver.emulator.pty_port import PtyPort
@@ -13,6 +14,7 @@ from bahrs_driver.protocol.bahrs import (
     Acknowledgement, HardwareVersion, Navigation, SoftwareVersion,
 )
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec
+from bahrs_driver.protocol.integrity import Integrity
 from devices import Device, DIAGNOSTICS, known, SAFE, says, status
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_msgs.srv import SelfTest
@@ -149,6 +151,42 @@ def test_names_may_be_those_of_the_node(cable):
     with listening(DIAGNOSTICS) as ear, driver(cable.path, diagnostics__qualified_name='true'):
         ear.wait('/diagnostics')
         assert ear.heard['/diagnostics'][0].status[0].name == '/bahrs_driver: Link'
+
+
+def test_which_signals_are_affected_is_reported_at_once(cable):
+    """Though the level stays; once a second, this would take a minute."""
+    affected, turns = [0], 120
+    signals = ['pressure_height', 'velocity_down', 'roll', 'pitch', 'magnetic_heading']
+
+    def health(index):
+        return SAFE, tuple(Integrity.INTEGRITY_RISK if number == affected[0] else Integrity.SAFE
+                           for number in range(5))
+
+    with listening(DIAGNOSTICS) as ear, driver(cable.path), Device(cable, health=health):
+        assert says(ear, 'Integrity', WARN, f'{signals[0]} integrity risk')
+        begin = time.monotonic()
+        for turn in range(turns):
+            affected[0] = turn % 5
+            assert says(ear, 'Integrity', WARN, f'{signals[turn % 5]} integrity risk')
+        assert time.monotonic() - begin < turns / 4
+
+
+def test_what_changes_with_every_sample_is_reported_twenty_times_a_second(cable):
+    """And the last state in the end."""
+    still = [False]
+
+    def health(index):
+        risk = Integrity.INTEGRITY_RISK if index % 4 or still[0] else Integrity.SAFE
+        return SAFE, (risk, *SAFE[:4])
+
+    with listening(DIAGNOSTICS) as ear, driver(cable.path), Device(cable, health=health):
+        begin = time.monotonic()
+        ear.wait('/diagnostics', 100)
+        still[0] = True
+        assert says(ear, 'Integrity', WARN, 'integrity risk')
+        count, elapsed = len(ear.heard['/diagnostics']), time.monotonic() - begin
+    # What went out while the listener was held up comes at once.
+    assert count <= 20 * (elapsed + 2.0)
 
 
 def test_self_test(cable):
