@@ -136,7 +136,7 @@ def _print_json(counts: Counter[str], decoder: Decoder) -> None:
     framer = decoder.framer
     counters = framer.counters
     print(json.dumps({
-        'counts': counts, 'unknown_types': counters.unknown_types, 'bytes': framer.received,
+        'counts': counts, 'unknown_types': dict(counters.unknown_types), 'bytes': framer.received,
         'crc_failures': counters.crc_failures, 'skipped_bytes': counters.skipped_bytes,
         **{name.lower().replace(' ', '_'): value for name, value in decoder.detected()}}))
 

@@ -18,10 +18,12 @@ What the framer knows is in its return values and its counters. At any time
     bytes received = bytes of frames + bytes of unknown frames + skipped bytes + pending bytes
 """
 
-from collections import Counter, deque
+from collections import deque
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import NamedTuple, Protocol
+
+from bahrs_driver.protocol.top_counter import TopCounter
 
 
 class Frame(NamedTuple):
@@ -74,7 +76,7 @@ class FramingCounters:
     crc_failures: int = 0
     skipped_bytes: int = 0
     unknown_bytes: int = 0
-    unknown_types: Counter[str] = field(default_factory=Counter)
+    unknown_types: TopCounter = field(default_factory=TopCounter)
 
 
 class Framer:
@@ -192,7 +194,7 @@ class Framer:
         for start in sorted(starts):
             name = self._format.name_unknown(bytes(self._buffer[start:end]))
             if name:
-                self.counters.unknown_types[name] += 1
+                self.counters.unknown_types.add(name)
                 self.counters.unknown_bytes += end - start
                 self.counters.skipped_bytes += start - self._gap
                 self._gap = end

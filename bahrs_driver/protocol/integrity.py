@@ -6,6 +6,9 @@ from collections.abc import Callable
 from enum import IntEnum
 from functools import lru_cache
 
+# Decoded health words: a device in good order sends few, noise may be any of 65,536.
+REMEMBERED = 256
+
 
 class Integrity(IntEnum):
     """
@@ -37,7 +40,7 @@ Health = tuple[Integrity, ...]
 def two_bit_fields(count: int) -> tuple[Callable[[int], Health], Callable[[Health], int]]:
     """Return the decoder and encoder of count two-bit fields, first signal lowest (version 3)."""
 
-    @lru_cache(maxsize=None)
+    @lru_cache(maxsize=REMEMBERED)
     def decode(word: int) -> Health:
         return tuple(Integrity(word >> 2 * i & 0b11) for i in range(count))
 
@@ -56,7 +59,7 @@ def valid_bits(count: int) -> tuple[Callable[[int], Health], Callable[[Health], 
     One bit cannot tell of an integrity risk: only a safe signal is encoded as valid.
     """
 
-    @lru_cache(maxsize=None)
+    @lru_cache(maxsize=REMEMBERED)
     def decode(bits: int) -> Health:
         return tuple(Integrity(bits >> i & 1) for i in range(count))
 

@@ -152,7 +152,7 @@ def test_a_device_of_an_unknown_version_is_told():
     task = FramingTask(framer, counters, 115200, 'bahrs', dict, 0.1)
     task.judge(0.0)
     counters.bytes_received = 8000
-    framer.counters.unknown_types['0x01 of version 4'] = 300
+    framer.counters.unknown_types.add('0x01 of version 4', 300)
     level, message = task.judge(1.0)
     assert level == ERROR and 'is the bahrs newer than this driver?' in message
 
