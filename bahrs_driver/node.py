@@ -13,6 +13,7 @@ from bahrs_driver.convert import raw
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.link_task import LinkTask
 from bahrs_driver.diagnostics.monitor import Monitor
+from bahrs_driver.diagnostics.names import node_label
 from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.self_test import answer
 from bahrs_driver.diagnostics.task import Task
@@ -22,6 +23,7 @@ from bahrs_driver.executor import PatientExecutor
 from bahrs_driver.link import Link, Reading
 from bahrs_driver.nvm_services import NvmServices
 from bahrs_driver.parameters import declare, ParameterError, unknown_names
+from bahrs_driver.printable import printable
 from bahrs_driver.receiver import Received, Receiver
 from bahrs_driver.recording.origin import Origin
 from bahrs_driver.sensors import ROS_CLOCK, SENSORS
@@ -184,7 +186,8 @@ class DriverNode(Node):
         self._diagnostics.publish(array)
 
     def _self_test(self, _: SelfTest.Request, response: SelfTest.Response) -> SelfTest.Response:
-        return answer(self._monitor.verdicts(), self._monitor.hardware_id, response)
+        return answer(self._monitor.verdicts(), self._monitor.hardware_id,
+                      self._sensor.health.device_id(), response)
 
     def _make_monitor(self, settings: Mapping[str, Any]) -> Monitor:
         sensor, counters = self._sensor, self.receiver.counters
@@ -196,9 +199,9 @@ class DriverNode(Node):
             self._time_task,
             *sensor.health.tasks,
             PublishingTask(self._counts)]
-        qualified = settings['diagnostics.qualified_name']
-        return Monitor(tasks, self.get_fully_qualified_name() if qualified else 'bahrs_driver',
-                       lambda: sensor.health.hardware_id() or self._link.port)
+        return Monitor(tasks, node_label(self.get_name(), self.get_namespace(),
+                                         settings['diagnostics.qualified_name']),
+                       printable(self._link.port))
 
     def _publisher(self, message_type: type, topic: str, latched: bool = False) -> Publisher:
         profile = QoSProfile(depth=QUEUE_DEPTH)

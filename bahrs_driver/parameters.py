@@ -202,7 +202,8 @@ PARAMETERS = (
               'damaged frame is a warning.', low=0.0, high=1.0),
     Parameter('diagnostics.qualified_name', False,
               'Whether names in /diagnostics begin with the fully qualified name of the node '
-              'rather than with bahrs_driver, to tell several drivers apart.'),
+              '(/bahrs_driver: Link) at the root, too. In a namespace they always do '
+              '(/left/bahrs_driver: Link).'),
     Parameter('time.source', 'device',
               'What stamps are made of: device puts device time on ROS time from when samples '
               'arrive (a titan_m has none: the middle of request and answer), sync_pulse does so '

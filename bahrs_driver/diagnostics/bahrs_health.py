@@ -43,6 +43,6 @@ class BahrsHealth:
         """Return whether the data has ceased, at a time in seconds (monotonic)."""
         return self._rates.stale(now)
 
-    def hardware_id(self) -> str:
+    def device_id(self) -> str:
         """Return the name that the device gives itself; empty if it did not."""
-        return self._device.hardware_id
+        return self._device.device_id

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from bahrs_driver.diagnostics.task import OK, Verdict, WARN
+from bahrs_driver.printable import printable
 from bahrs_driver.protocol.bahrs import HardwareVersion, Navigation, SoftwareVersion
 
 # What no aircraft reaches: the pressure height read as int16 falls here above 4,500 m.
@@ -35,11 +36,11 @@ class DeviceTask:
                                        and message.pressure_height < IMPOSSIBLE_HEIGHT)
 
     @property
-    def hardware_id(self) -> str:
+    def device_id(self) -> str:
         """Project code, if known, and unique number of the microcontroller; empty without one."""
         if self._hardware is None:
             return ''
-        project = f'{self._software.project}-' if self._software else ''
+        project = f'{printable(self._software.project)}-' if self._software else ''
         return project + _words(self._hardware)
 
     def judge(self, now: float) -> Verdict:
@@ -53,10 +54,12 @@ class DeviceTask:
 
     def values(self, now: float) -> Mapping[str, str]:
         """Return the versions."""
-        values = dict.fromkeys(('Software version', 'MCU', 'MCU unique number'), 'not heard')
+        values = dict.fromkeys(
+            ('Device id', 'Software version', 'MCU', 'MCU unique number'), 'not heard')
         if self._software:
             values['Software version'] = self._version(self._software)
         if self._hardware:
+            values['Device id'] = self.device_id
             values['MCU'] = f'0x{self._hardware.mcu_id:04X}'
             values['MCU unique number'] = _words(self._hardware)
         values['NVM session'] = self._nvm_status()
@@ -64,7 +67,7 @@ class DeviceTask:
 
     @staticmethod
     def _version(software: SoftwareVersion) -> str:
-        return f'{software.project} {software.major}.{software.minor}'
+        return f'{printable(software.project)} {software.major}.{software.minor}'
 
 
 def _words(hardware: HardwareVersion) -> str:

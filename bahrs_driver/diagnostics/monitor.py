@@ -13,6 +13,7 @@ import re
 import threading
 import time
 
+from bahrs_driver.diagnostics.names import status_name
 from bahrs_driver.diagnostics.task import Task, Verdict
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
@@ -23,21 +24,21 @@ _NUMBER = re.compile(r'\d+([.,]\d+)*')
 class Monitor:
     """Asks the tasks. It may be asked from any thread."""
 
-    def __init__(self, tasks: Sequence[Task], prefix: str, hardware_id: Callable[[], str],
+    def __init__(self, tasks: Sequence[Task], node_label: str, hardware_id: str,
                  clock: Callable[[], float] = time.monotonic) -> None:
-        """Take the tasks, what their names begin with, and a clock in seconds."""
+        """
+        Take the tasks, the names of node and hardware, and a clock in seconds.
+
+        Both names identify a status to those who collect them: after a change they would keep
+        an entry that nobody updates.
+        """
         self._tasks = tasks
-        self._prefix = prefix
-        self._hardware_id = hardware_id
+        self._node_label = node_label
+        self.hardware_id = hardware_id
         self._clock = clock
         self._lock = threading.Lock()
         self._reported: list[tuple[bytes, str]] = []
         self._reported_at = -LEAST_INTERVAL
-
-    @property
-    def hardware_id(self) -> str:
-        """Name of the device."""
-        return self._hardware_id()
 
     def report_allowed(self) -> bool:
         """Return whether the latest report is LEAST_INTERVAL old."""
@@ -60,18 +61,18 @@ class Monitor:
     def statuses(self) -> list[DiagnosticStatus]:
         """Return the present state and values of each task."""
         with self._lock:
-            now, hardware_id = self._clock(), self._hardware_id()
-            statuses = [self._status(task, now, hardware_id) for task in self._tasks]
+            now = self._clock()
+            statuses = [self._status(task, now) for task in self._tasks]
             self._reported = [_without_numbers(status.level, status.message)
                               for status in statuses]
             self._reported_at = now
             return statuses
 
-    def _status(self, task: Task, now: float, hardware_id: str) -> DiagnosticStatus:
+    def _status(self, task: Task, now: float) -> DiagnosticStatus:
         level, message = task.judge(now)
         values = [KeyValue(key=key, value=value) for key, value in task.values(now).items()]
-        return DiagnosticStatus(level=level, name=f'{self._prefix}: {task.name}', message=message,
-                                hardware_id=hardware_id, values=values)
+        return DiagnosticStatus(level=level, name=status_name(self._node_label, task.name),
+                                message=message, hardware_id=self.hardware_id, values=values)
 
 
 def _without_numbers(level: bytes, message: str) -> tuple[bytes, str]:

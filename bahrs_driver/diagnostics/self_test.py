@@ -19,10 +19,10 @@ TESTS = {
 }
 
 
-def answer(verdicts: Mapping[str, Verdict], hardware_id: str,
+def answer(verdicts: Mapping[str, Verdict], hardware_id: str, device_id: str,
            response: SelfTest.Response) -> SelfTest.Response:
-    """Fill in the response from the present state of the tasks."""
-    response.id = hardware_id
+    """Fill in the response from the present state of the tasks; device_id may be empty."""
+    response.id = device_id or hardware_id
     response.status = [
         DiagnosticStatus(level=verdicts[task].level, name=test, message=verdicts[task].message,
                          hardware_id=hardware_id)

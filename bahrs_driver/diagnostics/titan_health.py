@@ -67,6 +67,6 @@ class TitanHealth:
         """Return whether the data has ceased, at a time in seconds (monotonic)."""
         return self._rates.stale(now)
 
-    def hardware_id(self) -> str:
+    def device_id(self) -> str:
         """Return nothing: the device has no name for itself."""
         return ''

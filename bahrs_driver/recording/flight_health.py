@@ -40,7 +40,7 @@ class FlightHealth:
                          settings['sensor'], sensor.protocol,
                          settings['diagnostics.damaged_share']),
              self._time_task, *sensor.health.tasks, PublishingTask(self.counts)],
-            'bahrs_driver', sensor.health.hardware_id, lambda: self._now / NANOSECONDS)
+            'bahrs_driver', settings['sensor'], lambda: self._now / NANOSECONDS)
 
     def before(self, chunk: Chunk) -> Iterator[tuple[int, DiagnosticArray]]:
         """Return the reports that were due before a chunk came, each with its time."""

@@ -41,7 +41,7 @@ class Health(Protocol):
     def stale(self, now: float) -> bool:
         """Return whether the data has ceased, at a time in seconds (monotonic)."""
 
-    def hardware_id(self) -> str:
+    def device_id(self) -> str:
         """Return the name that the device gives itself; empty if it did not."""
 
 

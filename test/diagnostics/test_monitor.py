@@ -28,13 +28,13 @@ class Told:
 
 def test_statuses():
     """Names, levels, values, and whose they are."""
-    monitor = Monitor([Told('Link'), Told('Rates', WARN)], 'bahrs_driver', lambda: 'OSS-1',
+    monitor = Monitor([Told('Link'), Told('Rates', WARN)], 'bahrs_driver', '/dev/ttyUSB0',
                       lambda: 7.0)
     first, second = monitor.statuses()
     assert (first.name, first.level, first.message) == ('bahrs_driver: Link', OK, 'at 7.0')
     assert (second.name, second.level) == ('bahrs_driver: Rates', WARN)
     assert [(pair.key, pair.value) for pair in second.values] == [('now', '7.0')]
-    assert first.hardware_id == monitor.hardware_id == 'OSS-1'
+    assert first.hardware_id == '/dev/ttyUSB0'
 
 
 class Clock:
@@ -60,7 +60,7 @@ def clock():
 def test_a_change_is_due_until_it_was_reported(clock, level, message):
     """Of the level, or of the message alone."""
     task = Told('Integrity', WARN, 'roll integrity risk')
-    monitor = Monitor([Told('Link', OK, 'open'), task], 'bahrs_driver', lambda: '', clock)
+    monitor = Monitor([Told('Link', OK, 'open'), task], 'bahrs_driver', '', clock)
     assert monitor.change_due()
     monitor.statuses()
     clock.now += 1.0
@@ -75,7 +75,7 @@ def test_a_change_is_due_until_it_was_reported(clock, level, message):
 def test_numbers_alone_are_no_change(clock):
     """Or a counter in a message would have every sample reported."""
     task = Told('Rates', WARN, 'Lost just now: 3 inertial')
-    monitor = Monitor([task], 'bahrs_driver', lambda: '', clock)
+    monitor = Monitor([task], 'bahrs_driver', '', clock)
     monitor.statuses()
     clock.now += 0.1
     for message in ('Lost just now: 4 inertial', 'Lost just now: 1,024 inertial'):
@@ -91,7 +91,7 @@ def test_numbers_alone_are_no_change(clock):
 def test_reports_are_apart_and_the_final_state_is_among_them(steps):
     """Whatever changes how often, if somebody asks once more after the interval."""
     clock, task = Clock(), Told('Integrity', OK, 'a')
-    monitor, reports = Monitor([task], 'bahrs_driver', lambda: '', clock), []
+    monitor, reports = Monitor([task], 'bahrs_driver', '', clock), []
 
     def look():
         if monitor.change_due():
@@ -113,12 +113,12 @@ def test_self_test_passes_when_every_test_does():
     verdicts = {'Link': Verdict(OK, 'open'), 'Framing': Verdict(OK, 'intact'),
                 'Rates': Verdict(OK, 'right'), 'Integrity': Verdict(OK, 'safe'),
                 'Publishing': Verdict(OK, 'yes')}
-    response = answer(verdicts, 'OSS-1', SelfTest.Response())
+    response = answer(verdicts, '/dev/ttyUSB0', 'OSS-1', SelfTest.Response())
     assert response.passed == b'\x01' and response.id == 'OSS-1'
     assert [status.name for status in response.status] == [
         'Port open and bytes flowing', 'Frames valid', 'Rates right', 'Integrity safe']
     verdicts['Integrity'] = Verdict(WARN, 'roll integrity risk')
-    response = answer(verdicts, 'OSS-1', SelfTest.Response())
+    response = answer(verdicts, '/dev/ttyUSB0', 'OSS-1', SelfTest.Response())
     assert response.passed == b'\x00'
     assert response.status[3].message == 'roll integrity risk'
 
@@ -128,8 +128,8 @@ def test_self_test_fails_where_answers_are_missing_or_cannot_be_read(task):
     """A device that is asked may be fine on the line, and still nothing be published."""
     verdicts = dict.fromkeys(('Link', 'Framing', 'Rates', 'Time', 'Requests', 'Device'),
                              Verdict(OK, 'fine'))
-    assert answer(verdicts, '', SelfTest.Response()).passed == b'\x01'
+    assert answer(verdicts, '', '', SelfTest.Response()).passed == b'\x01'
     verdicts[task] = Verdict(WARN, 'not fine')
-    response = answer(verdicts, '', SelfTest.Response())
+    response = answer(verdicts, '', '', SelfTest.Response())
     assert response.passed == b'\x00'
     assert [status.message for status in response.status if status.level != OK] == ['not fine']

@@ -185,12 +185,13 @@ def test_publishing_is_of_the_present():
 def test_device_tells_what_it_is():
     """Its name needs the unique number; versions are shown as they come."""
     task = DeviceTask()
-    assert task.hardware_id == '' and 'only at power-on' in task.judge(0.0).message
+    assert task.device_id == '' and 'only at power-on' in task.judge(0.0).message
     task.observe(SoftwareVersion('OSS', 2, 7))
-    assert task.hardware_id == '' and task.judge(0.0) == (OK, 'OSS 2.7')
+    assert task.device_id == '' and task.judge(0.0) == (OK, 'OSS 2.7')
     task.observe(HardwareVersion(0x450, (1, 2, 0xABCDEF01)))
-    assert task.hardware_id == 'OSS-0000000100000002ABCDEF01'
-    assert task.values(0.0) == {'Software version': 'OSS 2.7', 'MCU': '0x0450',
+    assert task.device_id == 'OSS-0000000100000002ABCDEF01'
+    assert task.values(0.0) == {'Device id': 'OSS-0000000100000002ABCDEF01',
+                                'Software version': 'OSS 2.7', 'MCU': '0x0450',
                                 'MCU unique number': '0000000100000002ABCDEF01',
                                 'NVM session': 'none'}
 

@@ -142,15 +142,37 @@ def test_the_device_gives_its_name(cable):
             cable.write(CODEC.encode(SoftwareVersion('OSS', 2, 7), 3)
                         + CODEC.encode(HardwareVersion(0x450, (1, 2, 3)), 3))
             assert says(ear, 'Device', OK, 'OSS 2.7')
-            assert wait_for(lambda: status(ear, 'Link').hardware_id
+            assert wait_for(lambda: values(ear, 'Device')['Device id']
                             == 'OSS-000000010000000200000003')
+            ear.wait('/diagnostics', len(ear.heard['/diagnostics']) + 1)
+    assert {(item.name.split(': ')[0], item.hardware_id) for array in ear.heard['/diagnostics']
+            for item in array.status} == {('bahrs_driver', cable.path)}     # they never change
 
 
-def test_names_may_be_those_of_the_node(cable):
-    """To tell several drivers apart."""
-    with listening(DIAGNOSTICS) as ear, driver(cable.path, diagnostics__qualified_name='true'):
-        ear.wait('/diagnostics')
-        assert ear.heard['/diagnostics'][0].status[0].name == '/bahrs_driver: Link'
+def test_a_project_code_that_commands_terminals(cable):
+    """It is written out."""
+    with listening(DIAGNOSTICS) as ear, driver(cable.path):
+        assert wait_for(lambda: cable.is_open)
+        cable.write(CODEC.encode(SoftwareVersion('\x1bc\n', 2, 7), 3)
+                    + CODEC.encode(HardwareVersion(0x450, (1, 2, 3)), 3))
+        assert says(ear, 'Device', OK, r'\x1bc\x0a 2.7')
+        assert wait_for(lambda: values(ear, 'Device')['Device id'].startswith(r'\x1bc\x0a-0'))
+
+
+@pytest.mark.parametrize('words, name', [
+    ([], 'bahrs_driver'),
+    (['-r', '__node:=front'], 'front'),
+    (['-r', '__ns:=/left'], '/left/bahrs_driver'),
+    (['-r', '__ns:=/uav/left', '-r', '__node:=front'], '/uav/left/front'),
+    (['-p', 'diagnostics.qualified_name:=true'], '/bahrs_driver'),
+    (['-p', 'diagnostics.qualified_name:=true', '-r', '__ns:=/left'], '/left/bahrs_driver'),
+])
+def test_names_are_those_of_the_node(cable, words, name):
+    """Fully qualified in a namespace, so that every driver has its own."""
+    with listening(DIAGNOSTICS) as ear, running(
+            'driver_node', '--ros-args', '-p', f'port:={cable.path}', *words):
+        (first, *_) = ear.wait('/diagnostics')
+    assert [item.name for item in first.status] == [f'{name}: {task}' for task in TASKS]
 
 
 def test_which_signals_are_affected_is_reported_at_once(cable):
