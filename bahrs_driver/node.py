@@ -3,9 +3,7 @@
 """The node: it wires the parts together, and nothing else."""
 
 from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import ThreadPoolExecutor
-import sys
-from threading import Event, Lock
+from threading import Lock
 import time
 from typing import Any
 
@@ -18,8 +16,7 @@ from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.self_test import answer
 from bahrs_driver.diagnostics.task import Task
 from bahrs_driver.diagnostics.time_task import TimeTask
-from bahrs_driver.ending import Ending
-from bahrs_driver.executor import PatientExecutor
+from bahrs_driver.fault_log import FaultLog
 from bahrs_driver.link import Link, Reading
 from bahrs_driver.nvm_services import NvmServices
 from bahrs_driver.parameters import declare, ParameterError, unknown_names
@@ -27,25 +24,22 @@ from bahrs_driver.printable import printable
 from bahrs_driver.receiver import Received, Receiver
 from bahrs_driver.recording.origin import Origin
 from bahrs_driver.sensors import ROS_CLOCK, SENSORS
+from bahrs_driver.sim_time import keep_host_time
 from diagnostic_msgs.msg import DiagnosticArray
 from diagnostic_msgs.srv import SelfTest
-import rclpy
-from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError
+from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import NameValidationException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
-from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
-from rclpy.utilities import remove_ros_args
 from sensor_msgs.msg import TimeReference
 from std_msgs.msg import UInt8MultiArray
 
 QUEUE_DEPTH = 100               # half a second of the fastest topic
 DIAGNOSTICS_PERIOD = 1.0        # s
 WATCH_PERIOD = 0.1              # s, for what changes because nothing comes
-SERVICE_THREADS = 3             # so that a service that takes long holds up nothing
 
 
 class DriverNode(Node):
@@ -54,11 +48,14 @@ class DriverNode(Node):
     def __init__(self) -> None:
         """Read the parameters and make the parts; ParameterError if one is bad."""
         super().__init__('bahrs_driver', automatically_declare_parameters_from_overrides=True)
+        self._log = self.get_logger()  # type: ignore[no-untyped-call]
+        self.faults = FaultLog(self._log.error, self._log.debug)
         settings = declare(self)
+        keep_host_time(self)
         self._link = _link(settings)
         self._sensor = sensor = SENSORS[settings['sensor']](settings, self._link)
         for sentence in (*unknown_names(self), *sensor.warnings):
-            self.get_logger().warning(sentence)
+            self._log.warning(sentence)
         self.receiver = Receiver(self._link, sensor.framer, sensor.codec, sensor.clock, self)
         self._time_task = TimeTask(sensor.clock)
         self._counts = dict.fromkeys(sensor.topics, 0)
@@ -73,17 +70,19 @@ class DriverNode(Node):
             self._raw = self._publisher(UInt8MultiArray, raw.TOPIC)
         self._diagnostics = self._publisher(DiagnosticArray, '/diagnostics')
         self._listen_for_pulses(settings['time.sync_pulse.reference'])
-        self.create_timer(DIAGNOSTICS_PERIOD, self._report)
-        self.create_timer(WATCH_PERIOD, self._report_change)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(DIAGNOSTICS_PERIOD, self._report, clock=steady)
+        self.create_timer(WATCH_PERIOD, self._report_change, clock=steady)
         self.create_service(SelfTest, '~/self_test', self._self_test)
         if sensor.nvm:
             self._nvm_services = NvmServices(self, sensor.nvm)
 
     @property
-    def threads(self) -> list[Callable[[], None]]:
-        """Return what is to run, each in a thread, until stop()."""
+    def threads(self) -> Mapping[str, Callable[[], None]]:
+        """Functions that each run in a thread until stop() is called, by name."""
         requester = self._sensor.requester
-        return [self.receiver.run, *([requester.run] if requester else [])]
+        return {'the reading thread': self.receiver.run,
+                **({'the requesting thread': requester.run} if requester else {})}
 
     def stop(self) -> None:
         """Make the threads end soon."""
@@ -99,7 +98,7 @@ class DriverNode(Node):
     def link_opened(self) -> None:
         """Note that another stream begins."""
         self._byte_ns = self._link.byte_time_ns
-        self.get_logger().info(f'{self._link.port} is open')
+        self._log.info(f'{self._link.port} is open')
         self._sensor.health.opened()
         if self._sensor.requester:
             self._sensor.requester.opened()
@@ -107,7 +106,7 @@ class DriverNode(Node):
 
     def link_failed(self, reason: str) -> None:
         """Tell why there is no data."""
-        self.get_logger().error(reason)
+        self._log.error(reason)
         self._publish(self._sensor.converter.lost(time.time_ns()))
         if self._sensor.nvm:
             self._sensor.nvm.lost(reason)
@@ -154,7 +153,7 @@ class DriverNode(Node):
 
     def time_changed(self, sentence: str) -> None:
         """Tell what happened to a clock."""
-        self.get_logger().warning(sentence)
+        self._log.warning(sentence)
         self._time_task.notice(sentence, time.monotonic())
 
     def _listen_for_pulses(self, reference: str) -> None:
@@ -182,7 +181,7 @@ class DriverNode(Node):
 
     def _publish_report(self) -> None:
         array = DiagnosticArray(status=self._monitor.statuses())
-        array.header.stamp = self.get_clock().now().to_msg()
+        array.header.stamp = Time(nanoseconds=time.time_ns()).to_msg()
         self._diagnostics.publish(array)
 
     def _self_test(self, _: SelfTest.Request, response: SelfTest.Response) -> SelfTest.Response:
@@ -220,56 +219,3 @@ def _link(settings: Mapping[str, Any]) -> Link:
         return Link(settings['port'], settings['baud_rate'])
     except ValueError as error:
         raise ParameterError(f"parameter port is {settings['port']!r}: {error}") from error
-
-
-def run(ended: Ending) -> int:
-    """Run the node until ended; the exit status is not 0 if it could not start."""
-    try:
-        _check_words(remove_ros_args(sys.argv)[1:])
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-        _run(ended)
-    except (ParameterError, RCLError, RCLInvalidROSArgsError) as error:
-        # What rcl says ends in places of its source.
-        print('bahrs_driver:', str(error).split(', at /')[0], file=sys.stderr)
-        return 1
-    finally:
-        rclpy.try_shutdown()
-    return 0
-
-
-def _run(ended: Ending) -> None:
-    """
-    Let the node's threads and the executor run until ended or until one of them fails.
-
-    The main thread waits for the signal. An executor that is shut down from another thread loses
-    what spinning still uses: spinning ends by itself, at the next tick of a timer, and the port
-    is let go while ROS is still whole.
-    """
-    node = DriverNode()
-    executor = PatientExecutor(SERVICE_THREADS)
-    executor.add_node(node)
-    stopped = Event()
-    with ThreadPoolExecutor(max_workers=len(node.threads) + 1) as pool:
-        threads = [pool.submit(run) for run in node.threads]
-        threads.append(pool.submit(_spin, executor, stopped))
-        for thread in threads:
-            thread.add_done_callback(lambda _: ended.tell())
-        ended.wait()
-        node.leave_device()
-        node.stop()
-        stopped.set()
-        for thread in threads:
-            thread.result()
-    executor.shutdown()
-    node.destroy_node()
-
-
-def _spin(executor: PatientExecutor, stopped: Event) -> None:
-    while not stopped.is_set():
-        executor.spin_once()
-
-
-def _check_words(words: list[str]) -> None:
-    if words:
-        raise ParameterError(f'{words[0]!r} is not understood: parameters are given as '
-                             '--ros-args -p port:=/dev/ttyUSB0')

@@ -15,10 +15,10 @@ from bahrs_driver.cli.arguments import positive
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.ros import check_domain, check_node_name, checked_namespace
 from bahrs_driver.cli.signals import ENDING, heeded
-from bahrs_driver.ending import Ending
 from bahrs_driver.recording.bag_output import BagWriter
 from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.recording.recorder import NANOSECONDS, RAW, Recorder
+from bahrs_driver.shutdown_event import ShutdownEvent
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
@@ -93,7 +93,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _record(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
-            ended: Ending) -> None:
+            ended: ShutdownEvent) -> None:
     """Write what comes, until ended."""
     begin = file_begin = synced = time.monotonic()
     end, told, empty = begin + max(options.duration, FIRST_WAIT), '', True
@@ -165,12 +165,12 @@ def _report(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
 
 
 @contextlib.contextmanager
-def _ending() -> Iterator[Ending]:
+def _ending() -> Iterator[ShutdownEvent]:
     """Let signals set an event, so that they interrupt no write."""
-    ended = Ending()
+    ended = ShutdownEvent()
     kinds = heeded(ENDING)
     before = {kind: signal.getsignal(kind) for kind in kinds}
-    ended.listen_to(*kinds)
+    ended.install_signal_handlers()
     try:
         yield ended
     finally:

@@ -12,8 +12,6 @@ from ament_pep257.main import main as pep257
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = [str(ROOT / name)
            for name in ('bahrs_driver', 'bench', 'launch', 'test', 'tools', 'setup.py')]
-STRICT = ('protocol', 'clock', 'convert', 'link.py', 'receiver.py', 'requester.py', 'emulator',
-          'recording', 'monitor', 'doctor', 'report', 'cli')
 
 
 def test_flake8():
@@ -29,7 +27,6 @@ def test_pep257():
 
 def test_mypy():
     """Strict types, as the oldest Python that is supported sees them."""
-    paths = [str(ROOT / 'bahrs_driver' / name) for name in STRICT]
-    done = subprocess.run([sys.executable, '-m', 'mypy', *paths],
+    done = subprocess.run([sys.executable, '-m', 'mypy', 'bahrs_driver'],
                           cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr

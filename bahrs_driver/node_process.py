@@ -1,0 +1,76 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The process of the node: its threads, and how they start, survive faults and end."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+import sys
+
+from bahrs_driver.executor import DrainingExecutor
+from bahrs_driver.node import DriverNode
+from bahrs_driver.parameters import ParameterError
+from bahrs_driver.shutdown_event import ShutdownEvent
+import rclpy
+from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
+
+SERVICE_THREADS = 3         # so that a service that takes long holds up nothing
+RESTART_PERIOD = 1.0        # s, before a thread that failed begins again
+
+
+def run(shutdown: ShutdownEvent) -> int:
+    """Run the node until the shutdown event is set; return 0, or 1 if it cannot start."""
+    if shutdown.is_set():       # while this module was imported
+        return 0
+    try:
+        _check_words(remove_ros_args(sys.argv)[1:])
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        _run_node(shutdown)
+    except (ParameterError, RCLError, RCLInvalidROSArgsError) as error:
+        # What rcl says ends in places of its source.
+        print('bahrs_driver:', str(error).split(', at /')[0], file=sys.stderr)
+        return 1
+    finally:
+        rclpy.try_shutdown()
+    return 0
+
+
+def _run_node(shutdown: ShutdownEvent) -> None:
+    """
+    Run the node's threads and the executor until the shutdown event is set.
+
+    The port is closed and spinning has ended before anything of ROS is destroyed.
+    """
+    node = DriverNode()
+    executor = DrainingExecutor(
+        SERVICE_THREADS, lambda error: node.faults.report('a request or timer', error))
+    executor.add_node(node)
+    with ThreadPoolExecutor(max_workers=len(node.threads) + 1) as pool:
+        for name, run_thread in node.threads.items():
+            pool.submit(_keep_running, name, run_thread, node, shutdown)
+        pool.submit(executor.spin)
+        shutdown.wait()
+        node.leave_device()
+        node.stop()
+        executor.stop()
+    executor.shutdown()
+    node.destroy_node()  # type: ignore[no-untyped-call]
+
+
+def _keep_running(name: str, run_thread: Callable[[], None], node: DriverNode,
+                  shutdown: ShutdownEvent) -> None:
+    """Run a thread's function until it returns; begin again after an exception."""
+    while True:
+        try:
+            return run_thread()
+        except Exception as error:
+            node.faults.report(name, error)
+        if shutdown.wait(RESTART_PERIOD):
+            return
+
+
+def _check_words(words: list[str]) -> None:
+    if words:
+        raise ParameterError(f'{words[0]!r} is not understood: parameters are given as '
+                             '--ros-args -p port:=/dev/ttyUSB0')
