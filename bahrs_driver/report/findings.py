@@ -1,20 +1,22 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is to be known about a recording, in words: the worst first."""
+"""Findings about a recording in words, the worst first."""
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
+from bahrs_driver.printable import printable
 from bahrs_driver.protocol.bahrs import (
     FORCE, FORCE_2, HEIGHT, HEIGHT_OFFSET, RATE, RATE_2, VELOCITY,
 )
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.report.clock import ClockStory
-from bahrs_driver.report.gather import Recording, Signals
-from bahrs_driver.report.timeline import Array
-import numpy as np
+from bahrs_driver.report.finding import (
+    clock_time, ERROR, Finding, GOOD, NOTICE, WARNING,
+)
+from bahrs_driver.report.gather import Recording
+from bahrs_driver.report.integrity import integrity_findings
+from bahrs_driver.report.timeline import Array, UNKNOWN_PAUSE
 
-GOOD, NOTICE, WARNING, ERROR = 'good', 'notice', 'warning', 'error'
 _ORDER = (ERROR, WARNING, NOTICE, GOOD)
 
 CUT_OFF = 64                # bytes that may be left over where a recording begins and ends
@@ -25,30 +27,14 @@ HELD_BACK = 60              # bytes a read, from which on an adapter holds them 
 HIGHEST_RAW = 32767
 INERTIAL_RATE, NAVIGATION_RATE = 200.0, 100.0       # Hz
 RATE_TOLERANCE = 0.02
-WORDS = {Integrity.INTEGRITY_RISK: 'at integrity risk', Integrity.UNAVAILABLE: 'unavailable',
-         Integrity.RESERVED: 'of undefined integrity'}
-
-
-class Finding(NamedTuple):
-    """A sentence, and how much it matters."""
-
-    level: str
-    text: str
 
 
 def findings(recording: Recording, story: ClockStory | None) -> list[Finding]:
     """Return all of them, the worst first."""
     found = [*_framing(recording), *_breaks(recording), *_rates(recording),
-             *_integrity(recording), *_saturation(recording), *_clock(recording, story),
-             *_device(recording), *(Finding(WARNING, note) for note in recording.notes)]
+             *integrity_findings(recording), *_saturation(recording), *_clock(recording, story),
+             *_device(recording), *(Finding(WARNING, printable(note)) for note in recording.notes)]
     return sorted(found, key=lambda finding: _ORDER.index(finding.level))
-
-
-def clock_time(seconds: float) -> str:
-    """Return a time since the beginning as minutes and seconds, or with hours."""
-    if seconds >= 3600:
-        return f'{int(seconds // 3600)}:{int(seconds % 3600 // 60):02d}:{seconds % 60:04.1f}'
-    return f'{int(seconds // 60)}:{seconds % 60:04.1f}'
 
 
 def _framing(recording: Recording) -> Iterator[Finding]:
@@ -65,8 +51,8 @@ def _framing(recording: Recording) -> Iterator[Finding]:
                'ends within a frame' if counters.skipped_bytes else 'no byte is left over'
         yield Finding(GOOD, f'All {counters.frames:,} frames are intact; {rest}.')
     if counters.unknown_types:
-        names = ', '.join(f'{name} ({count:,})'
-                          for name, count in sorted(counters.unknown_types.items()))
+        names = ', '.join(f'{printable(name)} ({count:,})'
+                          for name, count in counters.unknown_types.items())
         yield Finding(NOTICE, f'Intact frames of unknown type: {names}.')
 
 
@@ -82,19 +68,38 @@ def _breaks(recording: Recording) -> Iterator[Finding]:
                       f'{clock_time(axis.seconds[worst.index])}.')
     else:
         yield Finding(GOOD, 'No inertial sample is missing.')
-    for kind, level, text in (
-            ('paused', NOTICE, 'The device sent nothing for {seconds:.1f} s before {when}, and '
-                               'counted no samples meanwhile.'),
-            ('restarted', WARNING, 'The device was switched on anew before {when}; how long it '
-                                   'was off, nothing tells: {seconds:.0f} s are shown.')):
-        these = [found for found in axis.breaks if found.kind == kind]
-        for found in these[:MANY]:
-            yield Finding(level, text.format(seconds=found.seconds,
-                                             when=clock_time(axis.seconds[found.index])))
-        if len(these) > MANY:
-            yield Finding(level, f'So it did at {len(these) - MANY:,} more places.')
+    yield from _pauses(recording)
+    yield from _restarts(recording)
     if axis.rejected:
         yield Finding(NOTICE, f'{axis.rejected:,} time messages contradict those around them.')
+
+
+def _pauses(recording: Recording) -> Iterator[Finding]:
+    axis = recording.timeline
+    pauses = [found for found in axis.breaks if found.kind == 'paused']
+    if len(pauses) > MANY:
+        total = sum(found.seconds for found in pauses)
+        longest = max(pauses, key=lambda found: found.seconds)
+        yield Finding(NOTICE, f'The device sent nothing for {total:.1f} s in {len(pauses):,} '
+                      f'pauses, the longest {longest.seconds:.1f} s before '
+                      f'{clock_time(axis.seconds[longest.index])}, and counted no samples '
+                      'meanwhile.')
+        return
+    for found in pauses:
+        yield Finding(NOTICE, f'The device sent nothing for {found.seconds:.1f} s before '
+                      f'{clock_time(axis.seconds[found.index])}, and counted no samples '
+                      'meanwhile.')
+
+
+def _restarts(recording: Recording) -> Iterator[Finding]:
+    axis = recording.timeline
+    times = [clock_time(axis.seconds[found.index]) for found in axis.breaks
+             if found.kind == 'restarted']
+    if times:
+        named = ', '.join(times[:MANY]) + (f' and {len(times) - MANY:,} times more, the last '
+                                           f'before {times[-1]}' if len(times) > MANY else '')
+        yield Finding(WARNING, f'The device restarted before {named}. How long it was off is not '
+                      f'recorded: {UNKNOWN_PAUSE:.0f} s is drawn.')
 
 
 def _rates(recording: Recording) -> Iterator[Finding]:
@@ -109,45 +114,6 @@ def _rates(recording: Recording) -> Iterator[Finding]:
         if abs(rate / nominal - 1) > RATE_TOLERANCE:
             yield Finding(WARNING, f'{name.capitalize()} messages come {rate:.1f} times a second '
                                    f'instead of {nominal:.0f}.')
-
-
-def _integrity(recording: Recording) -> Iterator[Finding]:
-    """Tell which signals were not safe, those together that were so at the same times."""
-    alike: dict[tuple[str, str], list[str]] = {}
-    for signals in (recording.inertial, recording.navigation):
-        for index, name in enumerate(signals.names):
-            for level, text in _signal(signals, index):
-                alike.setdefault((level, text), []).append(name.replace('_', ' '))
-    for (level, text), names in alike.items():
-        yield Finding(level, f'{_listed(names).capitalize()}: {text}.')
-    if not alike and len(recording.inertial.seconds):
-        yield Finding(GOOD, 'All signals are safe throughout.')
-
-
-def _listed(names: list[str]) -> str:
-    """Return names as a text, those of a whole vector together."""
-    for quantity in ('specific force', 'angular rate'):
-        components = [f'{quantity} {axis}' for axis in 'xyz']
-        if set(components) <= set(names):
-            names = [quantity] + [name for name in names if name not in components]
-    return ', '.join(names[:-1]) + ' and ' + names[-1] if len(names) > 1 else names[0]
-
-
-def _signal(signals: Signals, index: int) -> Iterator[tuple[str, str]]:
-    """Yield how much it matters that a signal was not safe, and when it was so."""
-    health, seconds = signals.health[:, index], signals.seconds
-    for state, words in WORDS.items():
-        where = np.flatnonzero(health == state)
-        if not len(where):
-            continue
-        if len(where) == len(health):
-            yield WARNING, f'{words} throughout'
-            continue
-        stretches = 1 + int((np.diff(where) > 1).sum())
-        total = len(where) * float(np.median(np.diff(seconds)))
-        places = '' if stretches == 1 else f' in {stretches:,} stretches'
-        yield (WARNING if total > 1.0 else NOTICE,
-               f'{words} for {total:.2f} s{places}, first at {clock_time(seconds[where[0]])}')
 
 
 def _saturation(recording: Recording) -> Iterator[Finding]:

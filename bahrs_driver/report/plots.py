@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures of a recording over its time."""
 
-from collections.abc import Iterable
 import math
 
 from bahrs_driver.protocol.integrity import Integrity
@@ -17,13 +16,14 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 import numpy as np
 
 WIDTH = 11.4            # inches, at 100 pixels each
-LEFT, RIGHT, TOP, BOTTOM = 1.35, 0.1, 0.3, 0.5      # inches around the panels
+LEFT, RIGHT, TOP, BOTTOM = 1.35, 0.25, 0.3, 0.5     # inches around the panels
 COLOURS = ('#1f77b4', '#d62728', '#2ca02c')
 BANDS = {Integrity.SAFE: '#8bc98b', Integrity.INTEGRITY_RISK: '#f2b134',
          Integrity.UNAVAILABLE: '#d9534f', Integrity.RESERVED: '#7d3c98'}
 BAND_NAMES = {Integrity.SAFE: 'safe', Integrity.INTEGRITY_RISK: 'integrity risk',
               Integrity.UNAVAILABLE: 'unavailable', Integrity.RESERVED: 'undefined'}
 LONG = 7200             # s, from which on hours are counted
+NARROWEST_BAND = 0.002  # of the whole time: a signal lost for a moment shows, too
 MOST_BANDS = 2000       # of a signal; with more, each pixel shows the worst there was
 _INERTIAL = (('specific_force', 'm/s²', 1.0), ('angular_rate', '°/s', math.degrees(1)))
 _BY_BADNESS = np.array([Integrity.SAFE, Integrity.INTEGRITY_RISK, Integrity.RESERVED,
@@ -218,20 +218,19 @@ def _steps(edges: Array, values: Array, width: float) -> tuple[Array, Array]:
 
 
 def _band(axes: Axes, place: int, seconds: Array, states: Array) -> None:
-    """Draw one signal: a bar for each state, nothing where nothing came."""
+    """Draw one signal: a bar for each state, white where nothing came."""
     if not len(seconds):
         return
     if 1 + np.count_nonzero(np.diff(states)) > MOST_BANDS:
         seconds, states = _worst(seconds, states)
     gaps = np.flatnonzero(np.diff(seconds) > max(0.5, 0.002 * seconds[-1])) + 1
-    for piece, held in zip(np.split(seconds, gaps), np.split(states, gaps)):
-        for state in BANDS:
-            axes.broken_barh(_bars(runs(piece, held), state), (place - 0.4, 0.8),
-                             facecolors=BANDS[state], linewidth=0)
-
-
-def _bars(stretches: Iterable[tuple[float, float, int]], state: int) -> list[tuple[float, float]]:
-    return [(begin, end - begin) for begin, end, held in stretches if held == state]
+    pieces = [stretch for piece, held in zip(np.split(seconds, gaps), np.split(states, gaps))
+              for stretch in runs(piece, held)]
+    for state in BANDS:             # safe first: what is not safe is drawn over it
+        narrowest = 0.0 if state is Integrity.SAFE else NARROWEST_BAND * float(seconds[-1])
+        bars = [(begin, max(end - begin, narrowest)) for begin, end, held in pieces
+                if held == state]
+        axes.broken_barh(bars, (place - 0.4, 0.8), facecolors=BANDS[state], linewidth=0)
 
 
 def _worst(seconds: Array, states: Array) -> tuple[Array, Array]:

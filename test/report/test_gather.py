@@ -40,7 +40,8 @@ def test_a_good_recording():
         assert sentence in said(recording, GOOD)
     # As the real device, it has no navigation solution for the first moments.
     assert said(recording, NOTICE).startswith(
-        'Pressure height, velocity down, roll, pitch and magnetic heading: unavailable for 0.08 s')
+        'Pressure height, velocity down, roll, pitch and magnetic heading: unavailable for the '
+        'first 0.08 s.')
 
 
 def test_without_times_of_reads():
@@ -141,8 +142,8 @@ def test_integrity_in_words():
 
     emulation.advance = advance_as_planned
     recording = gather(made)
-    assert 'Specific force: unavailable for 3.0' in said(recording, WARNING)
-    assert 'Roll: at integrity risk for 0.5' in said(recording, NOTICE)
+    assert 'Specific force: unavailable for 3.00 s from 0:04.4.' in said(recording, WARNING)
+    assert 'Roll: at integrity risk for 0.50 s from 0:09.4.' in said(recording, NOTICE)
     assert recording.inertial.names == Inertial.SIGNALS
 
 
@@ -166,7 +167,7 @@ def test_a_restart():
 
     emulation.advance = advance_with_restart
     recording = recorded(emulation, seconds=20.0)
-    assert 'was switched on anew' in said(recording, WARNING)
+    assert 'The device restarted before 0:' in said(recording, WARNING)
     assert [each.kind for each in recording.timeline.breaks] == ['restarted']
     assert np.all(np.diff(recording.timeline.seconds) > 0)
 
