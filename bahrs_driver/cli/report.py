@@ -8,6 +8,7 @@ import os
 from pathlib import Path
 
 from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.printable import printable
 from bahrs_driver.recording.capture import Capture, read_capture
 from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.report.clock import clock_story
@@ -51,25 +52,26 @@ def run(options: argparse.Namespace) -> int:
     try:
         capture = read_capture(options.input, options.topic)
         if capture.sensor not in (None, 'bahrs'):
-            raise CommandError(f'{options.input} is of a {capture.sensor}: there are only reports '
-                               'of a bahrs')
+            raise CommandError(f'{printable(options.input)} is of a {printable(capture.sensor)}: '
+                               'there are only reports of a bahrs')
         recording = _gather(options, capture)
     except CaptureError as error:
         raise CommandError(str(error)) from error
     if not recording.counters.frames:
         raise CommandError(f'no frame of a BAHRS in the {recording.size:,} bytes of '
-                           f'{options.input}')
+                           f'{printable(options.input)}')
     if options.json:
-        print(json.dumps(_record(recording), ensure_ascii=False))
+        print(json.dumps(_record(recording)))
         return 0
     target = _target(options)
     if target.exists() and target.samefile(options.input):
-        raise CommandError(f'{target} is the recording itself: give the page another name')
+        raise CommandError(f'{printable(target)} is the recording itself: give the page another '
+                           'name')
     try:
         write_whole(target, ''.join(page(recording)).encode())
     except OSError as error:
-        raise CommandError(f'cannot write {target}: {error.strerror}') from error
-    print(target)
+        raise CommandError(f'cannot write {printable(target)}: {error.strerror}') from error
+    print(printable(target))
     return 0
 
 
@@ -93,7 +95,7 @@ def _gather(options: argparse.Namespace, capture: Capture) -> Recording:
 def _record(recording: Recording) -> dict[str, object]:
     story = clock_story(recording)
     return {
-        'name': recording.name, 'bytes': recording.size,
+        'name': printable(recording.name), 'bytes': recording.size,
         'duration': round(recording.duration, 3), 'counts': recording.counts,
         'versions': recording.versions, 'crc_failures': recording.counters.crc_failures,
         'skipped_bytes': recording.counters.skipped_bytes,

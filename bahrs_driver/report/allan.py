@@ -1,51 +1,73 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Overlapping Allan deviation, and what can be read off it (IEEE Std 952, annex C).
+Overlapping Allan deviation, and the coefficients that can be read off it (IEEE Std 952, annex C).
 
     N   white noise: the line of slope -1/2, at 1 s
     B   bias instability: the lowest point, divided by sqrt(2 ln 2 / pi)
     K   random walk of the bias: the line of slope +1/2, at 3 s
 
-Each is told only where the curve has the slope that belongs to it.
+A record of length T gives T / tau averages over tau, and the deviation a relative standard error
+of 1 / sqrt(2 (T / tau - 1)). Coefficients are read where that is 25 % at most, that is up to a
+ninth of the record. A line counts if it holds over a decade of tau, and the lowest point if the
+curve goes on to three times its tau. So K needs 90 times the tau at which the curve begins to
+rise: many minutes for a good sensor. A coefficient that cannot be read carries the reason.
 """
 
 from dataclasses import dataclass
 import math
+from typing import NamedTuple
 
 from bahrs_driver.report.timeline import Array
 import numpy as np
 
 POINTS = 60                     # averaging times, evenly spaced by their logarithm
-LONGEST_SHARE = 0.25            # of the data; beyond, there is too little to average
+LONGEST_SHARE = 0.25            # of the record; beyond, there is too little to average
+LARGEST_ERROR = 0.25            # relative standard error of a point that is read
+CERTAIN = 1 + 1 / (2 * LARGEST_ERROR ** 2)      # averages that make for such an error
 FLAT = math.sqrt(2 * math.log(2) / math.pi)
 SLOPE_TOLERANCE = 0.2
-FEWEST = 4                      # points in a row that make a slope
+DECADE = 10.0                   # from the shortest to the longest tau of a line
+BEYOND_LOWEST = 3.0             # times the tau of the lowest point that the curve must reach
+
+
+class Coefficient(NamedTuple):
+    """A coefficient in the unit of the data (and seconds), or why it cannot be read."""
+
+    value: float | None
+    reason: str = ''
 
 
 @dataclass(frozen=True)
 class Allan:
-    """The curve and its figures, in the unit of the data (and seconds)."""
+    """The curve and its coefficients, in the unit of the data (and seconds)."""
 
-    tau: Array                  # s
+    tau: Array                      # s
     deviation: Array
-    relative_error: Array       # one standard deviation
-    white_noise: float | None           # N, unit * sqrt(s)
-    bias_instability: float | None      # B, unit
-    random_walk: float | None           # K, unit / sqrt(s)
+    relative_error: Array           # one standard deviation
+    white_noise: Coefficient        # N, unit * sqrt(s)
+    bias_instability: Coefficient   # B, unit
+    random_walk: Coefficient        # K, unit / sqrt(s)
+
+    @property
+    def reliable(self) -> Array:
+        """Return which points are certain enough to be read."""
+        return np.asarray(self.relative_error <= LARGEST_ERROR)
 
 
 def allan(values: Array, period: float) -> Allan:
     """Return the deviation of evenly spaced values, period seconds apart."""
     integral = np.concatenate(([0.0], np.cumsum(values - values.mean()))) * period
     longest = max(1, int(len(values) * LONGEST_SHARE))
-    sizes = np.unique(np.geomspace(1, longest, POINTS).astype(np.int64))
+    last_certain = max(1, int(len(values) / CERTAIN))
+    sizes = np.union1d(np.geomspace(1, longest, POINTS).astype(np.int64), last_certain)
     deviation = np.array([_deviation(integral, int(size), period) for size in sizes])
     tau = sizes * period
     error = 1 / np.sqrt(2 * np.maximum(len(values) / sizes - 1, 1))
     good = deviation > 0
     tau, deviation, error = tau[good], deviation[good], error[good]
-    return Allan(tau, deviation, error, *_figures(tau, deviation))
+    certain = error <= LARGEST_ERROR
+    return Allan(tau, deviation, error, *_coefficients(tau[certain], deviation[certain]))
 
 
 def _deviation(integral: Array, size: int, period: float) -> float:
@@ -53,24 +75,51 @@ def _deviation(integral: Array, size: int, period: float) -> float:
     return float(np.sqrt(np.mean(second ** 2) / 2)) / (size * period)
 
 
-def _figures(tau: Array, deviation: Array) -> tuple[float | None, float | None, float | None]:
-    if len(tau) < 2 * FEWEST:
-        return None, None, None
-    slope = np.gradient(np.log(deviation), np.log(tau))
+def _coefficients(tau: Array, deviation: Array) -> tuple[Coefficient, Coefficient, Coefficient]:
+    """Read N, B and K off the points that are certain enough."""
+    if len(tau) < 2 or tau[-1] < DECADE * tau[0]:
+        unread = Coefficient(None, 'rest too short' if len(tau) else 'no noise')
+        return unread, unread, unread
     lowest = int(np.argmin(deviation))
-    white = _first_run(abs(slope + 0.5) < SLOPE_TOLERANCE)
-    walk = _first_run((abs(slope - 0.5) < SLOPE_TOLERANCE) & (np.arange(len(tau)) > lowest))
-    inside = lowest < len(tau) - FEWEST
-    return (
-        None if white is None else float(np.median(deviation[white] * np.sqrt(tau[white]))),
-        float(deviation[lowest]) / FLAT if inside else None,
-        None if walk is None else float(np.median(deviation[walk] * np.sqrt(3 / tau[walk]))))
+    white = _line(tau, deviation, -0.5)
+    return (Coefficient(white, '' if white else 'no slope of -1/2'),
+            _bias_instability(tau, deviation, lowest),
+            _random_walk(tau[lowest:], deviation[lowest:]))
 
 
-def _first_run(wanted: Array) -> slice | None:
-    """Return the first stretch of enough points in a row."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], wanted.astype(np.int8), [0]))))
-    for begin, end in edges.reshape(-1, 2):
-        if end - begin >= FEWEST:
-            return slice(int(begin), int(end))
-    return None
+def _bias_instability(tau: Array, deviation: Array, lowest: int) -> Coefficient:
+    if lowest == len(tau) - 1:
+        return Coefficient(None, f'still falling at {tau[-1]:.0f} s')
+    if tau[-1] < BEYOND_LOWEST * tau[lowest]:
+        return _too_short(BEYOND_LOWEST * tau[lowest])
+    return Coefficient(float(deviation[lowest]) / FLAT)
+
+
+def _random_walk(tau: Array, deviation: Array) -> Coefficient:
+    """Read K off the points from the lowest one on."""
+    slope = np.gradient(np.log(deviation), np.log(tau)) if len(tau) > 1 else np.zeros(1)
+    rising = np.flatnonzero(slope > 0.5 - SLOPE_TOLERANCE)
+    if not len(rising):
+        return Coefficient(None, f'not rising up to {tau[-1]:.0f} s')
+    tau, deviation = tau[rising[0]:], deviation[rising[0]:]
+    if tau[-1] < DECADE * tau[0]:
+        return _too_short(DECADE * tau[0])
+    walk = _line(tau, deviation, 0.5)
+    return Coefficient(walk and walk * math.sqrt(3), '' if walk else 'no slope of +1/2')
+
+
+def _too_short(tau: float) -> Coefficient:
+    """Name the record that has points certain enough at an averaging time."""
+    return Coefficient(None, f'rest too short, needs {math.ceil(CERTAIN * tau / 60)} min')
+
+
+def _line(tau: Array, deviation: Array, slope: float) -> float | None:
+    """Return the value at 1 s of the line of a slope through the decade that fits it best."""
+    x, y = np.log(tau), np.log(deviation)
+    best, value = SLOPE_TOLERANCE, None
+    for begin in range(int(np.searchsorted(tau, tau[-1] / DECADE, side='right'))):
+        decade = slice(begin, int(np.searchsorted(tau, DECADE * tau[begin], side='right')))
+        found = abs(float(np.polyfit(x[decade], y[decade], 1)[0]) - slope)
+        if found < best:
+            best, value = found, float(np.exp(np.mean(y[decade] - slope * x[decade])))
+    return value

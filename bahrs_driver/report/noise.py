@@ -7,22 +7,19 @@ from dataclasses import dataclass
 import math
 
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.report.allan import Allan, allan
+from bahrs_driver.report.allan import Allan, allan, Coefficient
 from bahrs_driver.report.gather import Recording
 from bahrs_driver.report.plots import COLOURS, WIDTH
 from bahrs_driver.report.rest import longest_rest
+from bahrs_driver.report.spectrum import density, lines
 from bahrs_driver.report.timeline import Array
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.mlab import psd
 import numpy as np
 
 ENOUGH = 60.0               # s of rest, below which nothing is said of noise
 CLIMB = 2.0                 # m/s; a device at rest is not taken to go up or down faster
 LONGEST = 2_000_000         # samples looked at, nearly three hours
-WELCH = 4096                # samples of each piece of a spectrum
-LINE = 3.0                  # times the median density, from which on it is no noise
-LOWEST_LINE = 1.0           # Hz
 COMPONENTS = ('x', 'y', 'z')
 GRAVITY = 9.80665
 _DEGREES_AN_HOUR = math.degrees(1) * 3600
@@ -61,7 +58,7 @@ def figures(noise: Noise) -> list[tuple[str, list[str]]]:
     return [
         ('rate: mean [°/s]', _each(math.degrees(1) * noise.rate.mean(axis=0), '.4f')),
         ('rate: standard deviation [°/s]', _each(math.degrees(1) * noise.rate.std(axis=0), '.4f')),
-        ('rate: strongest line [Hz]', _lines(noise.rate, noise.period)),
+        ('rate: strongest line [Hz]', _strongest(noise.rate, noise.period)),
         ('rate: N, angle random walk [°/√h]', _read(
             noise.rate_allan, 'white_noise', math.degrees(1) * 60)),
         ('rate: B, bias instability [°/h]', _read(
@@ -70,7 +67,7 @@ def figures(noise: Noise) -> list[tuple[str, list[str]]]:
             noise.rate_allan, 'random_walk', _DEGREES_AN_HOUR * 60)),
         ('force: mean [m/s²]', _each(noise.force.mean(axis=0), '.4f')),
         ('force: standard deviation [m/s²]', _each(noise.force.std(axis=0), '.4f')),
-        ('force: strongest line [Hz]', _lines(noise.force, noise.period)),
+        ('force: strongest line [Hz]', _strongest(noise.force, noise.period)),
         ('force: N, velocity random walk [m/s/√h]', _read(noise.force_allan, 'white_noise', 60)),
         ('force: B, bias instability [µg]', _read(
             noise.force_allan, 'bias_instability', 1e6 / GRAVITY)),
@@ -78,16 +75,34 @@ def figures(noise: Noise) -> list[tuple[str, list[str]]]:
     ]
 
 
+def remarks(noise: Noise) -> list[str]:
+    """Return what there is to know about lines in the spectrum."""
+    half_rate = 0.5 / noise.period
+    found = [(f'{what} {name}', lines(column, noise.period))
+             for what, values in (('specific force', noise.force), ('angular rate', noise.rate))
+             for name, column in zip(COMPONENTS, values.T)]
+    sentences = []
+    if any(line.strongest for _, line in found):
+        sentences.append(f'A line may be an alias: with {2 * half_rate:.0f} samples a second, a '
+                         f'vibration above {half_rate:.0f} Hz shows at a lower frequency.')
+    if at_half_rate := [what for what, line in found if line.at_half_rate]:
+        sentences.append(f'The line at {half_rate:.0f} Hz, half the sample rate, is left out '
+                         f'({", ".join(at_half_rate)}): its true frequency cannot be known.')
+    return sentences
+
+
 def spectrum(noise: Noise) -> Figure:
-    """Draw the spectral density of force and rate."""
+    """Draw the spectral density of force and rate, with half the sample rate dotted."""
     figure, (left, right) = _pair()
     for axes, values, unit, what in (
             (left, noise.force, 'm/s²', 'specific force'),
             (right, noise.rate * math.degrees(1), '°/s', 'angular rate')):
         for colour, name, column in zip(COLOURS, COMPONENTS, values.T):
-            frequency, density = _density(column, noise.period)
-            if density.any():
-                axes.loglog(frequency, density, color=colour, lw=0.8, label=name)
+            frequency, found = density(column, noise.period)
+            if found.any():
+                axes.loglog(frequency, found, color=colour, lw=0.8, label=name)
+        if axes.lines:
+            axes.axvline(0.5 / noise.period, color='#888888', lw=0.8, ls=':')
         low, high = axes.get_ylim()
         axes.set_ylim(low / 2, high * 2)
         _say_if_empty(axes)
@@ -107,7 +122,9 @@ def deviation(noise: Noise) -> Figure:
             value = curve.deviation * factor
             if not len(value):
                 continue
-            axes.loglog(curve.tau, value, color=colour, lw=1.2, label=name)
+            certain = curve.reliable
+            axes.loglog(curve.tau[certain], value[certain], color=colour, lw=1.4, label=name)
+            axes.loglog(curve.tau, value, color=colour, lw=0.5)
             error = np.minimum(curve.relative_error, 0.9)
             axes.fill_between(curve.tau, value * (1 - error), value * (1 + error), color=colour,
                               alpha=0.15, lw=0)
@@ -119,28 +136,15 @@ def deviation(noise: Noise) -> Figure:
     return figure
 
 
-def _density(values: Array, period: float) -> tuple[Array, Array]:
-    """Return frequencies above 0 (Hz) and the square root of the power density at each."""
-    size = min(WELCH, len(values))
-    power, frequency = psd(values - values.mean(), NFFT=size, Fs=1 / period, noverlap=size // 2)
-    return np.asarray(frequency)[1:-1], np.sqrt(power)[1:-1]     # both ends count half
-
-
-def _lines(values: Array, period: float) -> list[str]:
+def _strongest(values: Array, period: float) -> list[str]:
     """Return for each component at which frequency something vibrates, if it does."""
-    found = []
-    for column in values.T:
-        frequency, density = _density(column, period)
-        fast = frequency > LOWEST_LINE
-        strongest = int(np.argmax(density[fast]))
-        seen = density[fast][strongest] > LINE * np.median(density[fast])
-        found.append(f'{frequency[fast][strongest]:.1f}' if seen else 'none')
-    return found
+    found = [lines(column, period).strongest for column in values.T]
+    return ['none' if frequency is None else f'{frequency:.1f}' for frequency in found]
 
 
 def _slope(axes: Axes, curves: Sequence[Allan], factor: float) -> None:
     """Draw the line of white noise beside the curves."""
-    known = [curve.white_noise for curve in curves if curve.white_noise]
+    known = [curve.white_noise.value for curve in curves if curve.white_noise.value]
     if known:
         tau = next(curve.tau for curve in curves if len(curve.tau))[[0, -1]]
         axes.loglog(tau, np.median(known) * factor / np.sqrt(tau), color='#888888', lw=0.8,
@@ -200,5 +204,9 @@ def _each(values: Array, precision: str) -> list[str]:
 
 
 def _read(curves: Sequence[Allan], name: str, factor: float) -> list[str]:
-    values = [getattr(curve, name) for curve in curves]
-    return ['not seen' if value is None else f'{value * factor:.3g}' for value in values]
+    return [_cell(getattr(curve, name), factor) for curve in curves]
+
+
+def _cell(coefficient: Coefficient, factor: float) -> str:
+    value, reason = coefficient
+    return reason if value is None else f'{value * factor:.3g}'

@@ -8,9 +8,11 @@ from html import escape
 import io
 import time
 
+from bahrs_driver.printable import printable
 from bahrs_driver.report import noise, plots
 from bahrs_driver.report.clock import clock_story, ClockStory
-from bahrs_driver.report.findings import clock_time, findings
+from bahrs_driver.report.finding import clock_time
+from bahrs_driver.report.findings import findings
 from bahrs_driver.report.gather import Recording
 import matplotlib
 from matplotlib.figure import Figure
@@ -42,6 +44,7 @@ footer { color: #777; font-size: 13px; margin: 40px 0 20px; }
 """
 _LONG = ' class="long"'
 MUCH = 16               # characters of a value that must be smaller to fit
+LONGEST_TEXT = 2000     # characters of a sentence, which may name many things
 _SETTINGS = {'svg.fonttype': 'path', 'svg.hashsalt': 'bahrs', 'font.size': 10,
              'path.simplify': True, 'axes.unicode_minus': True}
 _INTEGRITY = 'What the device said each signal was worth. White is where nothing came.'
@@ -61,9 +64,10 @@ _NO_CLOCK = ('The recording has no times of reads, so nothing can be said of off
              'delays. A bag with the topic <code>raw</code> has them '
              '(<code>publish.raw: true</code>, <code>bahrs record</code>).')
 _SPECTRUM = 'White noise is flat; peaks are vibration, or what turns at that frequency.'
-_ALLAN = ('Overlapping Allan deviation, shaded by one standard deviation of its uncertainty. N is '
-          'read from the slope -1/2, B from the lowest point, K from the slope +1/2; what the '
-          'recording is too short to show is not seen.')
+_ALLAN = ('Overlapping Allan deviation, shaded by one standard error (IEEE Std 952). N is read '
+          'from a slope of -1/2 and K from a slope of +1/2, both over a decade of τ, B from the '
+          'lowest point, and all of them only where the standard error is 25 % at most, which is '
+          'up to a ninth of the rest: the thick part of a curve.')
 
 
 def page(recording: Recording) -> Iterator[str]:
@@ -71,14 +75,15 @@ def page(recording: Recording) -> Iterator[str]:
     story = clock_story(recording)
     yield '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
     yield '<meta name="viewport" content="width=device-width, initial-scale=1">'
-    yield f'<title>{escape(recording.name)}</title><style>{_STYLE}</style></head><body>\n'
-    yield f'<h1>{escape(recording.name)}</h1><p class="lead">{escape(_lead(recording))}</p>\n'
+    name = _text(recording.name)
+    yield f'<title>{name}</title><style>{_STYLE}</style></head><body>\n'
+    yield f'<h1>{name}</h1><p class="lead">{_text(_lead(recording))}</p>\n'
     yield '<div class="facts">' + ''.join(
-        f'<div class="fact"><span>{escape(name)}</span>'
-        f'<b{_LONG if len(value) > MUCH else ""}>{escape(value)}</b></div>'
-        for name, value in _facts(recording, story)) + '</div>\n'
+        f'<div class="fact"><span>{_text(label)}</span>'
+        f'<b{_LONG if len(value) > MUCH else ""}>{_text(value)}</b></div>'
+        for label, value in _facts(recording, story)) + '</div>\n'
     yield '<h2>Findings</h2><ul>' + ''.join(
-        f'<li class="{level}"><b>{level}</b>{escape(text)}</li>'
+        f'<li class="{level}"><b>{level}</b>{_text(text)}</li>'
         for level, text in findings(recording, story)) + '</ul>\n'
     with matplotlib.rc_context(_SETTINGS):
         yield from _pictures(recording, story)
@@ -99,7 +104,7 @@ def _pictures(recording: Recording, story: ClockStory | None) -> Iterator[str]:
     if story is None:
         yield f'<p>{_NO_CLOCK}</p>'
     else:
-        yield f'<p>{escape(_ARRIVALS)}</p>'
+        yield f'<p>{_text(_ARRIVALS)}</p>'
         yield _image(plots.arrivals(story, recording.duration), 'delays')
     yield from _noise(recording)
 
@@ -113,8 +118,9 @@ def _noise(recording: Recording) -> Iterator[str]:
         return
     yield _section(f'Noise at rest, {found.seconds:.0f} s from {clock_time(found.begin)}',
                    _SPECTRUM, noise.spectrum(found))
-    yield f'<p>{escape(_ALLAN)}</p>' + _image(noise.deviation(found), 'Allan deviation')
+    yield f'<p>{_text(_ALLAN)}</p>' + _image(noise.deviation(found), 'Allan deviation')
     yield _table([('', ['x', 'y', 'z']), *noise.figures(found)])
+    yield ''.join(f'<p>{_text(remark)}</p>' for remark in noise.remarks(found))
 
 
 def _lead(recording: Recording) -> str:
@@ -129,8 +135,8 @@ def _date(seconds: float) -> str:
 
 def _facts(recording: Recording, story: ClockStory | None) -> Iterator[tuple[str, str]]:
     software, hardware = recording.software, recording.hardware
-    minutes, seconds = divmod(recording.duration, 60)
-    yield 'duration', f'{minutes:.0f} min {seconds:.1f} s' if minutes else f'{seconds:.1f} s'
+    minutes, tenths = divmod(round(recording.duration * 10), 600)
+    yield 'duration', f'{minutes} min {tenths / 10} s' if minutes else f'{tenths / 10} s'
     yield 'software', f'{software.project} {software.major}.{software.minor}' \
         if software else 'not heard'
     if hardware:
@@ -167,18 +173,23 @@ def _clock_rows(recording: Recording,
     yield "host's clock set", [f'{story.host_steps} times']
 
 
+def _text(text: str) -> str:
+    """Return a text, which may come from the recording, safe to stand in HTML."""
+    return escape(printable(text, LONGEST_TEXT))
+
+
 def _section(title: str, text: str, figure: Figure) -> str:
-    return f'<h2>{escape(title)}</h2><p>{escape(text)}</p>{_image(figure, title)}\n'
+    return f'<h2>{_text(title)}</h2><p>{_text(text)}</p>{_image(figure, title)}\n'
 
 
 def _image(figure: Figure, title: str) -> str:
     buffer = io.BytesIO()
     figure.savefig(buffer, format='svg', metadata={'Date': None})
     data = base64.b64encode(buffer.getvalue()).decode()
-    return f'<img alt="{escape(title)}" src="data:image/svg+xml;base64,{data}">\n'
+    return f'<img alt="{_text(title)}" src="data:image/svg+xml;base64,{data}">\n'
 
 
 def _table(rows: Iterable[tuple[str, list[str]]]) -> str:
-    lines = [''.join(f'<td>{escape(cell)}</td>' for cell in (name, *cells))
+    lines = [''.join(f'<td>{_text(cell)}</td>' for cell in (name, *cells))
              for name, cells in rows]
     return '<table>' + ''.join(f'<tr>{line}</tr>' for line in lines) + '</table>\n'

@@ -3,6 +3,7 @@
 """Tests of the Allan deviation: against published figures, and noise that is known."""
 
 from bahrs_driver.report.allan import allan
+from hypothesis import given, settings, strategies as st
 import numpy as np
 import pytest
 
@@ -30,28 +31,70 @@ def white(density, count=400_000, seed=1):
     return np.random.default_rng(seed).normal(0.0, density / np.sqrt(PERIOD), count)
 
 
+def wandering(walk, seconds, density=0.0005, seed=2):
+    """Return white noise and a random walk of its mean."""
+    count = round(seconds / PERIOD)
+    steps = np.random.default_rng(seed).normal(0.0, walk * np.sqrt(PERIOD), count)
+    return white(density, count, seed + 1) + np.cumsum(steps)
+
+
 def test_white_noise_is_read_off():
     """And nothing that is not there."""
     curve = allan(white(0.002), PERIOD)
-    assert curve.white_noise == pytest.approx(0.002, rel=0.03)
-    assert curve.random_walk is None
+    assert curve.white_noise.value == pytest.approx(0.002, rel=0.03)
+    assert curve.bias_instability.value is None
+    assert curve.random_walk == (None, 'not rising up to 222 s')
 
 
 def test_a_random_walk_is_read_off():
-    """Where it has become stronger than the white noise."""
-    steps = np.random.default_rng(2).normal(0.0, 0.0005 * np.sqrt(PERIOD), 400_000)
-    curve = allan(white(0.0005) + np.cumsum(steps), PERIOD)
-    assert curve.white_noise == pytest.approx(0.0005, rel=0.1)
-    assert curve.random_walk == pytest.approx(0.0005, rel=0.3)
-    assert curve.bias_instability is not None
+    """Where it has become stronger than the white noise, in a record that is long enough."""
+    curve = allan(wandering(0.0005, 2000.0), PERIOD)
+    assert curve.white_noise.value == pytest.approx(0.0005, rel=0.1)
+    assert curve.random_walk.value == pytest.approx(0.0005, rel=0.3)
+    assert curve.bias_instability.value is not None
+
+
+@pytest.mark.parametrize('seed', range(5))
+def test_four_minutes_are_too_short_for_a_random_walk(seed):
+    """The curve rises, but not over a decade that is certain: the reason says what is needed."""
+    curve = allan(wandering(0.0005, 240.0, seed=seed), PERIOD)
+    value, reason = curve.random_walk
+    assert value is None and reason.startswith('rest too short, needs ')
+    assert int(reason.split()[-2]) > 4
+    assert curve.tau[curve.reliable][-1] == pytest.approx(240.0 / 9, rel=0.01)
+    assert curve.white_noise.value == pytest.approx(0.0005, rel=0.1)
+
+
+def test_a_steady_drift_is_no_random_walk():
+    """Its slope is +1: a device that warms up."""
+    drift = white(0.0005) + 1e-5 * PERIOD * np.arange(400_000)
+    assert allan(drift, PERIOD).random_walk == (None, 'no slope of +1/2')
+
+
+@settings(max_examples=25)
+@given(seconds=st.floats(60.0, 900.0), walk=st.floats(1e-5, 5e-3), seed=st.integers(0, 99))
+def test_what_is_read_is_certain(seconds, walk, seed):
+    """A figure comes of points that are certain, and is near the truth; else there is a reason."""
+    curve = allan(wandering(walk, seconds, seed=seed), PERIOD)
+    assert curve.white_noise.value == pytest.approx(0.0005, rel=0.2)
+    for value, reason in (curve.white_noise, curve.bias_instability, curve.random_walk):
+        assert (value is None) == bool(reason)
+    lowest = curve.tau[np.argmin(np.where(curve.reliable, curve.deviation, np.inf))]
+    if curve.random_walk.value is not None:
+        assert curve.random_walk.value == pytest.approx(walk, rel=0.5)
+        assert seconds > 80 * lowest
+    if curve.bias_instability.value is not None:
+        assert seconds > 25 * lowest
 
 
 def test_too_few_values():
     """Nothing is read off them."""
     curve = allan(white(1.0, count=12), PERIOD)
-    assert (curve.white_noise, curve.bias_instability, curve.random_walk) == (None, None, None)
+    assert curve.white_noise == curve.bias_instability == curve.random_walk == (
+        None, 'rest too short')
 
 
 def test_values_that_do_not_change():
     """There is no noise, and no curve."""
-    assert len(allan(np.full(1000, 3.0), PERIOD).tau) == 0
+    curve = allan(np.full(1000, 3.0), PERIOD)
+    assert len(curve.tau) == 0 and curve.white_noise == (None, 'no noise')

@@ -3,15 +3,23 @@
 """Tests of the page: whole, self-contained, with a picture for everything."""
 
 import base64
+from dataclasses import replace
 from html.parser import HTMLParser
+import re
 from xml.etree import ElementTree
 
 from bahrs_driver.emulator.flights import SteadyTurn
 from bahrs_driver.emulator.noise import DEVIATIONS, Noise
+from bahrs_driver.printable import printable
+from bahrs_driver.protocol.bahrs import SoftwareVersion
+from bahrs_driver.recording.capture import read_capture
+from bahrs_driver.report.gather import gather
 from bahrs_driver.report.page import page
 from emulated import make_device, make_emulation
+from hypothesis import given, settings, strategies as st
 import pytest
 from recorded import recorded
+from shared_files import shared_file
 
 VOID = {'meta', 'img', 'br', 'link'}
 
@@ -80,3 +88,33 @@ def test_a_flight_has_no_noise_at_rest():
     assert made.headings[-1] == 'Noise at rest'
     assert 'stood still for 0 s at the longest, and 60 s are needed' in made.text
     assert 'nothing can be said of offset, drift and delays' in made.text
+
+
+def test_noise_of_the_real_recording():
+    """Four minutes: no random walk is read off, and no line at half the sample rate."""
+    text = ''.join(page(gather(read_capture(shared_file('data/bahrs_recording_v2.bin')))))
+    rows = {name: tuple(re.findall('<td>(.*?)</td>', cells)) for name, cells in re.findall(
+        '<tr><td>([^<]*)</td>((?:<td>[^<]*</td>){3})</tr>', text)}
+    for name in ('rate: K, rate random walk [°/h/√h]', 'force: K, random walk [m/s²/√h]'):
+        assert all(re.fullmatch(r'rest too short, needs \d+ min', cell) for cell in rows[name])
+    assert rows['rate: strongest line [Hz]'] == ('91.3', '43.2', 'none')
+    assert rows['force: strongest line [Hz]'] == ('22.9', '22.9', '43.2')
+    assert all(float(cell) > 0 for cell in rows['rate: N, angle random walk [°/√h]'])
+    assert 'A line may be an alias: with 200 samples a second' in text
+    assert 'The line at 100 Hz, half the sample rate, is left out' in text
+
+
+@settings(max_examples=20)
+@given(name=st.text(st.characters(), min_size=1), project=st.text(max_size=5),
+       note=st.text())
+def test_foreign_text(name, project, note):
+    """Markup, control characters and bytes that are no text stay text, and can be written."""
+    foreign = replace(recorded(seconds=0.1, timed=False), name=f'<i>{name}', notes=[f'</b>{note}'],
+                      software=SoftwareVersion(f'&{project}', 1, 2))
+    text = ''.join(page(foreign))
+    text.encode()
+    assert all(character.isprintable() or character == '\n' for character in text)
+    outline = Outline(text)
+    assert printable(f'<i>{name}') in outline.text
+    assert printable(f'</b>{note}') in outline.text
+    assert printable(f'&{project} 1.2') in outline.text
