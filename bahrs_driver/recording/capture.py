@@ -11,10 +11,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from bahrs_driver.printable import printable
+from bahrs_driver.recording.bag_kind import is_bag
 from bahrs_driver.recording.errors import CaptureError
 
 PIECE = 65536           # bytes of a file without times that come at once
-BAG_SUFFIXES = ('.mcap', '.db3')
 
 
 class Chunk(NamedTuple):
@@ -63,7 +64,8 @@ class ByteFile(Capture):
                     self.done += len(data)
                     yield Chunk(data)
         except OSError as error:
-            raise CaptureError(f'cannot read {self.path}: {error.strerror}') from error
+            raise CaptureError(
+                f'cannot read {printable(self.path)}: {error.strerror}') from error
 
 
 def read_capture(path: str | Path, topic: str | None = None) -> Capture:
@@ -73,16 +75,15 @@ def read_capture(path: str | Path, topic: str | None = None) -> Capture:
     topic names the bag's topic of raw bytes; it need only be given if there are several. What is
     damaged is read as far as it goes, with a note. CaptureError says what is wrong with the rest.
     """
-    path = Path(path)
+    path, shown = Path(path), printable(path)
     try:
-        if not (path.is_dir() or path.suffix in BAG_SUFFIXES):
+        if not is_bag(path):
             with path.open('rb'):
                 return ByteFile(path, path.stat().st_size)
-    except OSError as error:
-        raise CaptureError(f'cannot read {path}: {error.strerror}') from error
-    try:
         from bahrs_driver.recording.bag_input import BagCapture
+        return BagCapture(path, topic)
+    except OSError as error:
+        raise CaptureError(f'cannot read {shown}: {error.strerror}') from error
     except ModuleNotFoundError as error:
-        raise CaptureError(f'{path} is a bag, and the Python module {error.name} is missing: '
+        raise CaptureError(f'{shown} is a bag, and the Python module {error.name} is missing: '
                            'install rosbags and mcap') from error
-    return BagCapture(path, topic)

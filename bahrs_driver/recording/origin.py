@@ -12,7 +12,8 @@ so that whoever records the topic, by whatever means, keeps the moment of the re
 
 from typing import NamedTuple
 
-TOO_LARGE = 2 ** 63         # for a time in ns as bags and ROS have it
+END_OF_TIME = 2 ** 31 * 1_000_000_000       # ns; ROS has the seconds of a time in 32 bits
+TOO_LARGE = 2 ** 63         # for a number in 64 bits
 
 
 class Origin(NamedTuple):
@@ -34,7 +35,8 @@ def parse_label(label: str) -> Origin | None:
     words = dict(word.split('=', 1) for word in label.split() if '=' in word)
     try:
         numbers = [int(words[name]) for name in Origin._fields[1:]]
-        return Origin(words['sensor'], *numbers) if all(
+        origin = Origin(words['sensor'], *numbers)
+        return origin if origin.ros_ns < END_OF_TIME and all(
             0 <= number < TOO_LARGE for number in numbers) else None
     except (KeyError, ValueError):
         return None

@@ -2,57 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of reading what was kept: byte files, MCAP and SQLite bags, whole and damaged."""
 
-from bahrs_driver.convert import raw
+from bags import CHUNKS, ORIGINS, PIECES, STORE, TYPE, write_bag, write_mcap
 from bahrs_driver.recording import capture
 from bahrs_driver.recording.capture import Chunk, read_capture
 from bahrs_driver.recording.errors import CaptureError
-from bahrs_driver.recording.origin import Origin, parse_label
-from mcap.writer import CompressionType, Writer as McapWriter
+from bahrs_driver.recording.origin import parse_label
+from mcap.writer import CompressionType
 import pytest
 from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import StoragePlugin, Writer
-from rosbags.typesys import get_typestore, Stores
-from std_msgs.msg import Float64, UInt8MultiArray
-
-TYPE = 'std_msgs/msg/UInt8MultiArray'
-STORE = get_typestore(Stores.ROS2_JAZZY)
-ORIGINS = [Origin('bahrs', 1 + i // 6, 86805, 10 ** 18 + i, 5 * 10 ** 9 + i) for i in range(10)]
-PIECES = [bytes(range(i, i + 20)) for i in range(10)]
-CHUNKS = [Chunk(data, origin.ros_ns, origin.raw_ns, origin.opening)
-          for data, origin in zip(PIECES, ORIGINS)]
-
-
-def messages():
-    """Return serialised raw messages with their log times."""
-    return [(origin.ros_ns + 1000, serialize_message(raw.message(data, origin.label())))
-            for data, origin in zip(PIECES, ORIGINS)]
-
-
-def write_bag(path, plugin, topics=('/raw',)):
-    """Write a bag with rosbags; other topics are in it, too."""
-    with Writer(path, version=9, storage_plugin=plugin) as writer:
-        number = writer.add_connection('/heading', 'std_msgs/msg/Float64', typestore=STORE)
-        connections = [writer.add_connection(topic, TYPE, typestore=STORE) for topic in topics]
-        for time, data in messages():
-            writer.write(number, time, serialize_message(Float64(data=1.0)))
-            for connection in connections:
-                writer.write(connection, time, data)
-    return path
-
-
-def write_mcap(path, compression=CompressionType.ZSTD, chunk_size=100):
-    """Write an MCAP file in small chunks, and return its size without its end."""
-    with path.open('wb') as file:
-        writer = McapWriter(file, chunk_size, compression)
-        writer.start('ros2')
-        text = STORE.generate_msgdef(TYPE, ros_version=2)[0]
-        schema = writer.register_schema(TYPE, 'ros2msg', text.encode())
-        channel = writer.register_channel('/uav/raw', 'cdr', schema)
-        for time, data in messages():
-            writer.add_message(channel, time, data, time)
-        end = file.tell()
-        writer.finish()
-    return end
+from std_msgs.msg import UInt8MultiArray
 
 
 def test_byte_file(tmp_path, monkeypatch):
