@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
 from bahrs_driver.clock import byte_time_ns, Instant
+from bahrs_driver.printable import printable
 import serial
 
 READ_TIMEOUT = 0.5      # s; bounds how long a closed-down link may hold its reader
@@ -70,6 +71,7 @@ class Link:
         self.baud_rate = baud_rate
         self._is_url = '://' in port
         self._is_socket = port.startswith('socket://')
+        self._was_open = False
         self._closing = threading.Lock()
         if self._is_socket and not (urlsplit(port).hostname and urlsplit(port).port):
             raise ValueError('it must have a host and a port, such as socket://host:4001')
@@ -77,6 +79,11 @@ class Link:
             self._serial = self._make()
         except OSError:             # hwgrep:// finds nothing yet
             self._serial = serial.Serial()
+
+    @property
+    def name(self) -> str:
+        """Name of the port, safe to show and to log."""
+        return printable(self.port)
 
     @property
     def is_open(self) -> bool:
@@ -97,15 +104,14 @@ class Link:
             self._serial.open()
         except (OSError, ValueError, termios.error) as error:
             raise self._why_not_open(error) from error
+        self._was_open = True
 
     def read(self) -> Reading | None:
         """Wait for bytes and take all there are; None if none came in time, LinkError if gone."""
         try:
             return self._read_socket() if self._is_socket else self._read_port()
         except OSError as error:
-            remedy = 'the driver goes on trying' if self._is_url \
-                else 'plug it in again, the driver will find it'
-            raise LinkError(f'{self.port} is gone: {remedy}', absent=True) from error
+            raise self._gone() from error
 
     def write(self, data: bytes) -> None:
         """Send all of data. LinkError if the port is gone or takes no more."""
@@ -164,10 +170,17 @@ class Link:
             self._serial.timeout = READ_TIMEOUT
         return Reading(data, now())
 
+    def _gone(self) -> LinkError:
+        remedy = 'the driver goes on trying' if self._is_url \
+            else 'plug it in again, the driver will find it'
+        return LinkError(f'{self.name} is gone: {remedy}', absent=True)
+
     def _why_not_open(self, error: Exception) -> LinkError:
         code = getattr(error, 'errno', None)
         if self._is_url:
             return LinkError(f'{self.port} cannot be opened: {_plain(error)}')
+        if code == errno.ENOENT and self._was_open:
+            return self._gone()
         if code == errno.ENOENT:
             return LinkError(f'{self.port} does not exist: plug the device in, or name another '
                              'port', absent=True)

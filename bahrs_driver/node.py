@@ -12,6 +12,7 @@ from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.link_task import LinkTask
 from bahrs_driver.diagnostics.monitor import Monitor
 from bahrs_driver.diagnostics.names import node_label
+from bahrs_driver.diagnostics.problem_log import ProblemLog
 from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.self_test import answer
 from bahrs_driver.diagnostics.task import Task
@@ -20,7 +21,6 @@ from bahrs_driver.fault_log import FaultLog
 from bahrs_driver.link import Link, Reading
 from bahrs_driver.nvm_services import NvmServices
 from bahrs_driver.parameters import declare, ParameterError, unknown_names
-from bahrs_driver.printable import printable
 from bahrs_driver.receiver import Received, Receiver
 from bahrs_driver.recording.origin import Origin
 from bahrs_driver.sensors import ROS_CLOCK, SENSORS
@@ -57,9 +57,10 @@ class DriverNode(Node):
         for sentence in (*unknown_names(self), *sensor.warnings):
             self._log.warning(sentence)
         self.receiver = Receiver(self._link, sensor.framer, sensor.codec, sensor.clock, self)
-        self._time_task = TimeTask(sensor.clock)
+        self._time_task = TimeTask(sensor.clock, sensor.health.stale)
         self._counts = dict.fromkeys(sensor.topics, 0)
         self._monitor = self._make_monitor(settings)
+        self._problems = self._make_problem_log()
         self._reporting = Lock()        # or an older report could overtake a newer one
         self._data = {topic: self._publisher(message_type, topic, topic in sensor.latched)
                       for topic, message_type in sensor.topics.items()}
@@ -72,7 +73,7 @@ class DriverNode(Node):
         self._listen_for_pulses(settings['time.sync_pulse.reference'])
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DIAGNOSTICS_PERIOD, self._report, clock=steady)
-        self.create_timer(WATCH_PERIOD, self._report_change, clock=steady)
+        self.create_timer(WATCH_PERIOD, self._watch, clock=steady)
         self.create_service(SelfTest, '~/self_test', self._self_test)
         if sensor.nvm:
             self._nvm_services = NvmServices(self, sensor.nvm)
@@ -98,7 +99,7 @@ class DriverNode(Node):
     def link_opened(self) -> None:
         """Note that another stream begins."""
         self._byte_ns = self._link.byte_time_ns
-        self._log.info(f'{self._link.port} is open')
+        self._log.info(f'{self._link.name} is open')
         self._sensor.health.opened()
         if self._sensor.requester:
             self._sensor.requester.opened()
@@ -151,6 +152,13 @@ class DriverNode(Node):
             if self._monitor.change_due():
                 self._publish_report()
 
+    def _watch(self) -> None:
+        """Report what changes because nothing arrives."""
+        self._report_change()
+        # Why the port is not open was logged when it closed.
+        is_open = self.receiver.counters.open_since is not None
+        self._problems.check(self._monitor.verdicts() if is_open else {}, time.monotonic())
+
     def time_changed(self, sentence: str) -> None:
         """Tell what happened to a clock."""
         self._log.warning(sentence)
@@ -191,16 +199,21 @@ class DriverNode(Node):
     def _make_monitor(self, settings: Mapping[str, Any]) -> Monitor:
         sensor, counters = self._sensor, self.receiver.counters
         tasks: list[Task] = [
-            LinkTask(self._link, counters,
-                     max(settings['diagnostics.silence_timeout'], sensor.longest_pause)),
+            LinkTask(self._link, counters, sensor.silence_timeout, sensor.silence_hint),
             FramingTask(sensor.framer, counters, self._link.baud_rate, settings['sensor'],
                         sensor.protocol, settings['diagnostics.damaged_share']),
             self._time_task,
             *sensor.health.tasks,
-            PublishingTask(self._counts)]
+            PublishingTask(self._counts, sensor.silence_timeout)]
         return Monitor(tasks, node_label(self.get_name(), self.get_namespace(),
                                          settings['diagnostics.qualified_name']),
-                       printable(self._link.port))
+                       self._link.name)
+
+    def _make_problem_log(self) -> ProblemLog:
+        port, logger = self._link.name, self._log
+        return ProblemLog({'Link': f'{port}: data arrives again',
+                           'Framing': f'{port}: frames arrive intact'},
+                          logger.error, logger.info)
 
     def _publisher(self, message_type: type, topic: str, latched: bool = False) -> Publisher:
         profile = QoSProfile(depth=QUEUE_DEPTH)

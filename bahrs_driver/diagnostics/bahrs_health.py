@@ -24,7 +24,7 @@ class BahrsHealth:
                  stale_timeout: float, nvm_status: Callable[[], str]) -> None:
         """Take the integrity of each signal, kept up to date by its owner, and the NVM's state."""
         self._rates = RatesTask(EXPECTED_RATES, rate_tolerance, stale_timeout)
-        self._device = DeviceTask(nvm_status)
+        self._device = DeviceTask(self._rates.stale, nvm_status)
         self.tasks: Sequence[Task] = (
             self._rates, SignalsTask(signals, self._rates.stale), self._device)
 

@@ -5,7 +5,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from bahrs_driver.diagnostics.task import OK, Verdict, WARN
+from bahrs_driver.diagnostics.task import NO_DATA, OK, STALE, Staleness, Verdict, WARN
 from bahrs_driver.printable import printable
 from bahrs_driver.protocol.bahrs import HardwareVersion, Navigation, SoftwareVersion
 
@@ -18,8 +18,9 @@ class DeviceTask:
 
     name = 'Device'
 
-    def __init__(self, nvm_status: Callable[[], str] = lambda: 'none') -> None:
-        """Begin with nothing known; nvm_status tells of a session that reads the memory."""
+    def __init__(self, stale: Staleness, nvm_status: Callable[[], str] = lambda: 'none') -> None:
+        """Begin with nothing known; nvm_status describes the session that reads the memory."""
+        self._stale = stale
         self._nvm_status = nvm_status
         self._software: SoftwareVersion | None = None
         self._hardware: HardwareVersion | None = None
@@ -44,7 +45,9 @@ class DeviceTask:
         return project + _words(self._hardware)
 
     def judge(self, now: float) -> Verdict:
-        """Return whether what it says can be."""
+        """Return whether what it says is possible."""
+        if self._stale(now):
+            return Verdict(STALE, NO_DATA)
         if self._impossible_height:
             return Verdict(WARN, f'The pressure height is below {IMPOSSIBLE_HEIGHT:.0f} m: '
                                  'is pressure_height.format right? Devices send uint16')

@@ -4,7 +4,7 @@
 
 from collections.abc import Callable, Mapping
 
-from bahrs_driver.diagnostics.task import ERROR, OK, Verdict, WARN
+from bahrs_driver.diagnostics.task import ERROR, OK, STALE, Verdict, WARN
 from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.protocol.framing import Framer, FramingCounters
 from bahrs_driver.protocol.recognition import sensor_of
@@ -51,10 +51,10 @@ class FramingTask:
         _, (received, frames, strangers, failures, skipped) = self._window.growth(now)
         fruitless = self._bytes_without_frame()
         if not received:
-            return Verdict(OK, 'Nothing received')
+            return Verdict(STALE, 'Nothing received')
         if not frames:
             if fruitless < ENOUGH_BYTES:
-                return Verdict(OK, 'Waiting for a whole frame')
+                return Verdict(STALE, 'Waiting for a whole frame')
             return Verdict(ERROR, self._why_no_frames(now))
         if frames == strangers:
             return Verdict(ERROR, f'Only frames of unknown type arrive: is the {self._sensor} '

@@ -16,22 +16,27 @@ class LinkTask:
 
     name = 'Link'
 
-    def __init__(self, link: Link, counters: LinkCounters, silence_timeout: float) -> None:
-        """Watch a link; it is called silent after silence_timeout seconds without a byte."""
+    def __init__(self, link: Link, counters: LinkCounters, silence_timeout: float,
+                 silence_hint: str) -> None:
+        """
+        Watch a link; it is silent after silence_timeout seconds without a byte.
+
+        silence_hint tells the user what to look at when it is.
+        """
         self._link = link
         self._counters = counters
         self._silence_timeout = silence_timeout
+        self._silence_hint = silence_hint
         self._window = Window(lambda: (counters.bytes_received,))
 
     def judge(self, now: float) -> Verdict:
-        """Return whether the port is open and not silent."""
-        counters, port = self._counters, self._link.port
-        if counters.open_since is None:
+        """Return whether the port is open and bytes arrive."""
+        counters, port = self._counters, self._link.name
+        open_since = counters.open_since        # once: the receiver's thread may close it now
+        if open_since is None:
             return Verdict(ERROR, counters.error or f'{port} is not open yet')
-        silence = now - max(counters.open_since, counters.last_data or 0.0)
-        if silence > self._silence_timeout:
-            return Verdict(ERROR, f'{port} is open but silent: is the device powered, and is its '
-                                  'line connected?')
+        if now - max(open_since, counters.last_data or 0.0) > self._silence_timeout:
+            return Verdict(ERROR, f'{port} is open but silent: {self._silence_hint}')
         return Verdict(OK, f'{port} is open')
 
     def values(self, now: float) -> Mapping[str, str]:
@@ -39,11 +44,11 @@ class LinkTask:
         counters, baud_rate = self._counters, self._link.baud_rate
         elapsed, (received,) = self._window.growth(now)
         rate = received / elapsed if elapsed else 0.0
+        open_since = counters.open_since
         return {
-            'Port': self._link.port,
+            'Port': self._link.name,
             'Baud rate': str(baud_rate),
-            'Open for [s]': 'not open' if counters.open_since is None
-            else ago(counters.open_since, now),
+            'Open for [s]': 'not open' if open_since is None else ago(open_since, now),
             'Times opened': str(counters.times_opened),
             'Bytes received': str(counters.bytes_received),
             'Bytes per second': f'{rate:.0f}',

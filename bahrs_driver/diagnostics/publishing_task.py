@@ -4,8 +4,7 @@
 
 from collections.abc import Mapping
 
-from bahrs_driver.diagnostics.task import OK, Verdict
-from bahrs_driver.diagnostics.window import Window
+from bahrs_driver.diagnostics.task import OK, STALE, Verdict
 
 
 class PublishingTask:
@@ -13,18 +12,22 @@ class PublishingTask:
 
     name = 'Publishing'
 
-    def __init__(self, counts: Mapping[str, int]) -> None:
-        """Show the counts, by topic."""
+    def __init__(self, counts: Mapping[str, int], timeout: float) -> None:
+        """Show the counts, by topic; they are stale after timeout seconds without a change."""
         self._counts = counts
-        self._window = Window(lambda: list(counts.values()))
+        self._timeout = timeout
+        self._latest = 0, 0.0           # messages in all, and when there were fewer
 
     def judge(self, now: float) -> Verdict:
-        """Return whether anything goes out; why nothing does is told by others."""
-        _, published = self._window.growth(now)
-        if any(published):
-            return Verdict(OK, 'Publishing')
-        return Verdict(OK, 'Nothing published just now' if any(self._counts.values())
-                       else 'Nothing published yet')
+        """Return whether messages go out; other tasks say why none do."""
+        published = sum(self._counts.values())
+        if published != self._latest[0]:
+            self._latest = published, now
+        if not published:
+            return Verdict(STALE, 'Nothing published yet')
+        if now - self._latest[1] > self._timeout:
+            return Verdict(STALE, 'Nothing published just now')
+        return Verdict(OK, 'Publishing')
 
     def values(self, now: float) -> Mapping[str, str]:
         """Return the count of each topic."""

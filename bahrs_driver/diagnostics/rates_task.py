@@ -8,7 +8,7 @@ from typing import Any
 
 from bahrs_driver.diagnostics.losses import Losses, SequenceLosses
 from bahrs_driver.diagnostics.steadiness import Steadiness
-from bahrs_driver.diagnostics.task import OK, STALE, Verdict, WARN
+from bahrs_driver.diagnostics.task import NO_DATA, OK, STALE, Verdict, WARN
 from bahrs_driver.diagnostics.window import Window
 
 RATE_SPAN = 2.0             # s over which a rate is measured
@@ -118,7 +118,7 @@ class RatesTask:
         if self._last_service is not None and now - self._last_service < self._stale_timeout + 6:
             return Verdict(STALE, 'The device is in diagnostics mode; it leaves by itself 5 s '
                                   'after the last request')
-        return Verdict(STALE, 'No data from the device')
+        return Verdict(STALE, NO_DATA)
 
 
 def _listed(names: Mapping[str, float], counts: tuple[int, ...]) -> str:

@@ -4,7 +4,9 @@
 
 from collections.abc import Mapping
 
-from bahrs_driver.diagnostics.task import ERROR, OK, Verdict, WARN
+from bahrs_driver.diagnostics.task import (
+    ERROR, NO_DATA, OK, STALE, Staleness, Verdict, WARN,
+)
 from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.protocol.poller import Poller, UNANSWERED
 from bahrs_driver.protocol.titan_m import REQUESTS
@@ -17,9 +19,10 @@ class RequestsTask:
 
     name = 'Requests'
 
-    def __init__(self, poller: Poller) -> None:
-        """Watch a poller."""
+    def __init__(self, poller: Poller, stale: Staleness) -> None:
+        """Watch a poller, and whether its answers have ceased."""
         self._poller = poller
+        self._stale = stale
         self._window = Window(lambda: (
             poller.answered.total(), poller.unanswered.total(), poller.unexpected.total(),
             poller.skipped))
@@ -39,7 +42,9 @@ class RequestsTask:
             return Verdict(WARN, f'{unanswered} requests without an answer just now')
         if unexpected:
             return Verdict(WARN, f'{unexpected} answers that came too late or twice just now')
-        return Verdict(OK, 'All requests answered' if answered else 'Nothing answered yet')
+        if self._stale(now):
+            return Verdict(STALE, NO_DATA)
+        return Verdict(OK, 'All requests answered')
 
     def values(self, now: float) -> Mapping[str, str]:
         """Return what was counted since the start, and what was learnt."""

@@ -2,13 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a task of the diagnostics is."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple, Protocol
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
+# Tells whether data has ceased, at a time of time.monotonic().
+Staleness = Callable[[float], bool]
+NO_DATA = 'No data from the device'
 
 
 class Verdict(NamedTuple):

@@ -5,7 +5,7 @@
 from collections.abc import Mapping
 
 from bahrs_driver.clock import Clock, TimeState
-from bahrs_driver.diagnostics.task import OK, Verdict, WARN
+from bahrs_driver.diagnostics.task import NO_DATA, OK, STALE, Staleness, Verdict, WARN
 
 LOOK_AGAIN = 0.2        # s
 NOTICE_LIFETIME = 5.0   # s that a change is shown
@@ -17,9 +17,10 @@ class TimeTask:
 
     name = 'Time'
 
-    def __init__(self, clock: Clock) -> None:
-        """Take the clock."""
+    def __init__(self, clock: Clock, stale: Staleness) -> None:
+        """Watch a clock; while the data is stale there is nothing to put on time."""
         self._clock = clock
+        self._stale = stale
         self._state = clock.state()
         self._looked = -LOOK_AGAIN
         self._notice, self._noticed = '', -NOTICE_LIFETIME
@@ -38,6 +39,8 @@ class TimeTask:
         state = self._state
         if now - self._noticed < NOTICE_LIFETIME:
             return Verdict(WARN, self._notice)
+        if self._stale(now):
+            return Verdict(STALE, NO_DATA)
         if state.source == 'arrival':
             return Verdict(OK, 'Stamps are arrival times, as time.source says')
         if state.source == 'exchange' and state.in_use == 'arrival':

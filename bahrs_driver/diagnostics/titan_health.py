@@ -8,7 +8,9 @@ from typing import Any
 from bahrs_driver.diagnostics.losses import RequestLosses
 from bahrs_driver.diagnostics.rates_task import RatesTask
 from bahrs_driver.diagnostics.requests_task import RequestsTask
-from bahrs_driver.diagnostics.task import OK, Task, Verdict, WARN
+from bahrs_driver.diagnostics.task import (
+    NO_DATA, OK, STALE, Staleness, Task, Verdict, WARN,
+)
 from bahrs_driver.protocol.payload_order import PayloadReader
 from bahrs_driver.protocol.poller import Poller
 
@@ -18,13 +20,17 @@ class TitanDeviceTask:
 
     name = 'Device'
 
-    def __init__(self, reader: PayloadReader[int], gps: Callable[[], str]) -> None:
-        """Take who knows the byte order, and who knows the fix, in words."""
+    def __init__(self, reader: PayloadReader[int], gps: Callable[[], str],
+                 stale: Staleness) -> None:
+        """Watch the detector of the byte order, and a callable that describes the fix."""
+        self._stale = stale
         self._reader = reader
         self._gps = gps
 
     def judge(self, now: float) -> Verdict:
-        """Return whether answers can be read, and say anything."""
+        """Return whether answers come and can be read."""
+        if self._stale(now):
+            return Verdict(STALE, NO_DATA)
         reader, gps = self._reader, self._gps()
         if reader.held:
             return Verdict(WARN, f'The byte order of payloads is not known yet, {reader.held} '
@@ -52,8 +58,9 @@ class TitanHealth:
         self._rates = RatesTask(
             rates, tolerance, stale_timeout,
             RequestLosses(lambda: poller.lost_by_name if poller else {}))
-        requests = [RequestsTask(poller)] if poller else []
-        self.tasks: Sequence[Task] = (self._rates, *requests, TitanDeviceTask(reader, gps))
+        requests = [RequestsTask(poller, self._rates.stale)] if poller else []
+        self.tasks: Sequence[Task] = (
+            self._rates, *requests, TitanDeviceTask(reader, gps, self._rates.stale))
 
     def observe(self, message: Any, now: float) -> None:
         """Take a message, received at a time in seconds (monotonic)."""

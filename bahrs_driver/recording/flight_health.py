@@ -32,14 +32,15 @@ class FlightHealth:
         self.counts = dict.fromkeys(sensor.topics, 0)       # messages made, by topic
         self._health, self._clock = sensor.health, clock
         self._counters = LinkCounters()
-        self._time_task = TimeTask(clock)
+        self._time_task = TimeTask(clock, sensor.health.stale)
         self._now = self._due = 0
         self._opening: int | None = None
         self._monitor = Monitor(
             [FramingTask(sensor.framer, self._counters, settings['baud_rate'],
                          settings['sensor'], sensor.protocol,
                          settings['diagnostics.damaged_share']),
-             self._time_task, *sensor.health.tasks, PublishingTask(self.counts)],
+             self._time_task, *sensor.health.tasks,
+             PublishingTask(self.counts, sensor.silence_timeout)],
             'bahrs_driver', settings['sensor'], lambda: self._now / NANOSECONDS)
 
     def before(self, chunk: Chunk) -> Iterator[tuple[int, DiagnosticArray]]:

@@ -18,6 +18,8 @@ from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.sensors.parts import Sensor
 
 ROS_CLOCK = 'ros_clock'
+SILENCE_HINT = ('is the device powered, and is its line connected? A Titan-M sends nothing unless '
+                'asked: for one, set parameter sensor to titan_m')
 
 
 def bahrs(settings: Mapping[str, Any], link: Link) -> Sensor:
@@ -26,8 +28,9 @@ def bahrs(settings: Mapping[str, Any], link: Link) -> Sensor:
     converter = BahrsConverter(_options(settings))
     nvm = NvmReader(link, lambda: frame_format.version_seen, settings['nvm.enter_timeout'],
                     settings['nvm.service_frames'])
+    silence_timeout = settings['diagnostics.silence_timeout']
     health = BahrsHealth(converter.signals, settings['diagnostics.rate_tolerance'],
-                         settings['diagnostics.silence_timeout'], lambda: nvm.status)
+                         silence_timeout, lambda: nvm.status)
 
     def protocol() -> Mapping[str, str]:
         return {'Protocol version': str(frame_format.version_seen or 'not seen yet'),
@@ -35,7 +38,7 @@ def bahrs(settings: Mapping[str, Any], link: Link) -> Sensor:
 
     return Sensor(Framer(frame_format), BahrsCodec(settings['pressure_height.format']),
                   _clock(settings), converter, health, TOPICS, LATCHED, protocol,
-                  nvm)
+                  silence_timeout, SILENCE_HINT, nvm)
 
 
 def _clock(settings: Mapping[str, Any]) -> Clock:

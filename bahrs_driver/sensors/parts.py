@@ -57,7 +57,8 @@ class Sensor:
     topics: Mapping[str, type]
     latched: Container[str]                         # topics that a late joiner gets the last of
     protocol: Callable[[], Mapping[str, str]]       # what was detected, for diagnostics
+    silence_timeout: float                          # s without data that are reported
+    silence_hint: str                               # what to look at then
     nvm: NvmReader | None = None                    # for devices whose memory can be read
     requester: Requester | None = None              # for devices that speak when asked
-    longest_pause: float = 0.0                      # s, which is no silence
     warnings: Sequence[str] = ()                    # what the user should know of the settings

@@ -25,6 +25,9 @@ from bahrs_driver.protocol.titan_m import GpsRequest, SensorsRequest, StateReque
 from bahrs_driver.requester import Requester
 from bahrs_driver.sensors.parts import Sensor
 
+SILENCE_HINT = 'is the device powered, are both of its lines connected, and is {} its baud rate?'
+UNASKED_HINT = ('nothing is asked, as state.rate, gps.rate and sensors.rate are 0, and another '
+                'program seems not to ask either')
 PAUSES = 2.5            # periods of the most frequent answer, after which it is silent
 # With these it asks nothing, and takes what comes.
 LISTENING: Mapping[str, Any] = dict.fromkeys(('state.rate', 'gps.rate', 'sensors.rate'), 0.0)
@@ -46,10 +49,10 @@ def titan_m(settings: Mapping[str, Any], link: Link) -> Sensor:
     reader = PayloadReader[int](settings['payload_order'])
     converter = TitanConverter(_options(settings, rates), reader)
     asked = {kind.ANSWER.NAME: rate for kind, rate in rates.items() if rate or not requester}
-    longest_pause = PAUSES / max(rates.values()) if requester else 0.0
+    silence_timeout = max(settings['diagnostics.silence_timeout'],
+                          PAUSES / max(rates.values()) if requester else 0.0)
     health = TitanHealth(
-        asked, settings['diagnostics.rate_tolerance'],
-        max(settings['diagnostics.silence_timeout'], longest_pause),
+        asked, settings['diagnostics.rate_tolerance'], silence_timeout,
         poller if requester else None, reader, lambda: converter.gps_text)
 
     def protocol() -> Mapping[str, str]:
@@ -61,9 +64,10 @@ def titan_m(settings: Mapping[str, Any], link: Link) -> Sensor:
                 'LEN': ', '.join(f'{name} {text}' for name, text in lengths.items())
                 or 'not seen yet'}
 
+    silence_hint = SILENCE_HINT.format(settings['baud_rate']) if requester else UNASKED_HINT
     return Sensor(Framer(frame_format), requester or AnswerCodec(), _clock(settings),
-                  converter, health, TOPICS, LATCHED, protocol, requester=requester,
-                  longest_pause=longest_pause,
+                  converter, health, TOPICS, LATCHED, protocol, silence_timeout, silence_hint,
+                  requester=requester,
                   warnings=tuple(_warnings(settings, rates)))
 
 

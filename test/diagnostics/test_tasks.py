@@ -22,13 +22,14 @@ import pytest
 
 SAFE, RISK = Integrity.SAFE, Integrity.INTEGRITY_RISK
 GONE, RESERVED = Integrity.UNAVAILABLE, Integrity.RESERVED
-LINK = SimpleNamespace(port='/dev/ttyUSB0', baud_rate=115200)
+LINK = SimpleNamespace(name='/dev/ttyUSB0', baud_rate=115200)
+HINT = 'is the device powered?'
 NAVIGATION = Navigation(0, 500.0, 0.0, 0.0, 0.0, 0.0, (SAFE,) * 5)
 
 
 def link_verdict(**counters):
     """Return the verdict on a link at the time 100 s."""
-    return LinkTask(LINK, LinkCounters(**counters), 1.0).judge(100.0)
+    return LinkTask(LINK, LinkCounters(**counters), 1.0, HINT).judge(100.0)
 
 
 def test_a_port_that_is_not_open_says_why():
@@ -46,7 +47,7 @@ def test_a_silent_port_is_an_error_that_says_what_to_look_at(last_data):
     """Counted from its opening if nothing ever came, or came before it."""
     level, message = link_verdict(open_since=95.0, last_data=last_data)
     assert level == ERROR
-    assert message.startswith('/dev/ttyUSB0 is open but silent: is the device powered')
+    assert message == '/dev/ttyUSB0 is open but silent: is the device powered?'
 
 
 def test_a_port_just_opened_is_not_yet_silent():
@@ -57,7 +58,7 @@ def test_a_port_just_opened_is_not_yet_silent():
 def test_traffic_is_told_against_the_baud_rate():
     """Ten bits a byte: 5,760 of 11,520 bytes a second are half of the line."""
     counters = LinkCounters(open_since=0.0)
-    task = LinkTask(LINK, counters, 1.0)
+    task = LinkTask(LINK, counters, 1.0, HINT)
     task.values(0.0)
     counters.bytes_received = 5760
     values = task.values(1.0)
@@ -80,12 +81,12 @@ def framing_verdict(received, frames, failures, skipped, last_bytes=b'\xff' * 99
 
 
 @pytest.mark.parametrize('received, frames, failures, skipped, level, words', [
-    (0, 0, 0, 0, OK, 'Nothing received'),
+    (0, 0, 0, 0, STALE, 'Nothing received'),
     (8000, 345, 0, 0, OK, 'All frames intact'),
     (8000, 340, 1, 24, WARN, 'Just now: damaged frames 1, stray bytes 24'),
     (8000, 345, 0, 3, WARN, 'Just now: damaged frames 0, stray bytes 3'),
     (8000, 240, 105, 2600, ERROR, '30% of the frames are damaged: check cable'),
-    (30, 0, 0, 0, OK, 'Waiting for a whole frame'),
+    (30, 0, 0, 0, STALE, 'Waiting for a whole frame'),
     (8000, 0, 0, 8000, ERROR, 'no frame of a bahrs: is 115200 the baud rate'),
 ])
 def test_framing(received, frames, failures, skipped, level, words):
@@ -128,7 +129,7 @@ def test_a_wrong_device_that_says_little_is_told_as_well():
         verdict = task.judge(float(second))
     assert verdict.level == ERROR and 'another device' in verdict.message
     counters.times_opened, counters.bytes_received = 2, counters.bytes_received + 20
-    assert task.judge(6.0) == (OK, 'Waiting for a whole frame')
+    assert task.judge(6.0) == (STALE, 'Waiting for a whole frame')
 
 
 def test_a_share_of_damage_at_the_limit_is_not_another_level_at_every_frame():
@@ -173,18 +174,18 @@ def test_integrity(signals, level, message):
 def test_publishing_is_of_the_present():
     """What went out an hour ago is no comfort."""
     counts = {'imu/data': 0}
-    task = PublishingTask(counts)
-    assert task.judge(0.0).message == 'Nothing published yet'
+    task = PublishingTask(counts, 1.0)
+    assert task.judge(0.0) == (STALE, 'Nothing published yet')
     counts['imu/data'] = 40
     assert task.judge(0.5) == (OK, 'Publishing')
     assert task.judge(1.0).message == 'Publishing'
-    assert task.judge(3.0).message == 'Nothing published just now'
+    assert task.judge(3.0) == (STALE, 'Nothing published just now')
     assert task.values(3.0) == {'imu/data': '40'}
 
 
 def test_device_tells_what_it_is():
     """Its name needs the unique number; versions are shown as they come."""
-    task = DeviceTask()
+    task = DeviceTask(lambda now: False)
     assert task.device_id == '' and 'only at power-on' in task.judge(0.0).message
     task.observe(SoftwareVersion('OSS', 2, 7))
     assert task.device_id == '' and task.judge(0.0) == (OK, 'OSS 2.7')
@@ -198,7 +199,7 @@ def test_device_tells_what_it_is():
 
 def test_an_impossible_height_names_the_parameter():
     """As long as it is there, and only if the device says that it is available."""
-    task, low = DeviceTask(), replace(NAVIGATION, pressure_height=-5812.0)
+    task, low = DeviceTask(lambda now: False), replace(NAVIGATION, pressure_height=-5812.0)
     task.observe(replace(low, health=(GONE,) + (SAFE,) * 4))
     assert task.judge(0.0).level == OK
     task.observe(low)

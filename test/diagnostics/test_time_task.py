@@ -24,6 +24,11 @@ class Fixed:
         return self._state
 
 
+def made(clock):
+    """Return the task for a clock whose data flows."""
+    return TimeTask(clock, lambda now: False)
+
+
 @pytest.mark.parametrize('changes, level, words', [
     ({}, OK, 'Stamps are device time'),
     ({'source': 'arrival', 'in_use': 'arrival', 'settled': False}, OK, 'as time.source says'),
@@ -34,13 +39,13 @@ class Fixed:
 ])
 def test_levels(changes, level, words):
     """What is in use, and whether that is what was asked for."""
-    verdict = TimeTask(Fixed(**changes)).judge(100.0)
+    verdict = made(Fixed(**changes)).judge(100.0)
     assert verdict.level == level and words in verdict.message
 
 
 def test_a_notice_is_shown_for_five_seconds():
     """So that it is seen by who looks once a second."""
-    task = TimeTask(Fixed())
+    task = made(Fixed())
     task.notice("the host's clock was set by +0.500000 s", 100.0)
     assert task.judge(104.0) == (WARN, "the host's clock was set by +0.500000 s")
     assert task.judge(106.0).level == OK
@@ -48,16 +53,16 @@ def test_a_notice_is_shown_for_five_seconds():
 
 def test_values():
     """With units; and what to do about an adapter that holds back."""
-    values = TimeTask(Fixed(median_chunk=496, pulse_delay_us=50.37)).values(0.0)
+    values = made(Fixed(median_chunk=496, pulse_delay_us=50.37)).values(0.0)
     assert values['Time messages name'] == 'the next sample'
     assert values['Least delay by pulses [us]'] == '50.4'
     assert 'set its timer to 1 ms' in values['Advice']
-    assert TimeTask(Fixed(median_chunk=24)).values(0.0)['Advice'] == 'none'
+    assert made(Fixed(median_chunk=24)).values(0.0)['Advice'] == 'none'
 
 
 def test_values_of_a_device_that_is_asked():
     """Nothing about a time that it does not tell."""
-    values = TimeTask(Fixed(source='exchange', in_use='exchange', spread_us=431.25)).values(0.0)
+    values = made(Fixed(source='exchange', in_use='exchange', spread_us=431.25)).values(0.0)
     assert values['Half a request and its answer, median [us]'] == '431.2'
     assert not {'Skew [ppm]', 'Epochs', 'Sync pulses'} & set(values)
 
@@ -65,4 +70,4 @@ def test_values_of_a_device_that_is_asked():
 @pytest.mark.parametrize('clock', [ArrivalStamps(), SampleClock()])
 def test_real_clocks_before_the_first_byte(clock):
     """Nothing is known yet, and can be shown."""
-    assert TimeTask(clock).values(0.0)['ROS time less device time [s]'] == 'unknown'
+    assert made(clock).values(0.0)['ROS time less device time [s]'] == 'unknown'

@@ -153,9 +153,10 @@ def test_a_project_code_that_commands_terminals(cable):
     """It is written out."""
     with listening(DIAGNOSTICS) as ear, driver(cable.path):
         assert wait_for(lambda: cable.is_open)
-        cable.write(CODEC.encode(SoftwareVersion('\x1bc\n', 2, 7), 3)
-                    + CODEC.encode(HardwareVersion(0x450, (1, 2, 3)), 3))
-        assert says(ear, 'Device', OK, r'\x1bc\x0a 2.7')
+        with Device(cable):
+            cable.write(CODEC.encode(SoftwareVersion('\x1bc\n', 2, 7), 3)
+                        + CODEC.encode(HardwareVersion(0x450, (1, 2, 3)), 3))
+            assert says(ear, 'Device', OK, r'\x1bc\x0a 2.7')
         assert wait_for(lambda: values(ear, 'Device')['Device id'].startswith(r'\x1bc\x0a-0'))
 
 

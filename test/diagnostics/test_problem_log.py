@@ -1,0 +1,50 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of what the console says of a lasting error."""
+
+from bahrs_driver.diagnostics.problem_log import LASTING, ProblemLog
+from bahrs_driver.diagnostics.task import ERROR, OK, STALE, Verdict, WARN
+from hypothesis import given, strategies as st
+
+LEVELS = {'e': ERROR, 'o': OK, 'w': WARN, 's': STALE, '-': None}
+
+
+def logged(levels, step=0.5):
+    """Return what is logged as a task goes through levels, one letter every step seconds."""
+    lines = []
+    log = ProblemLog({'Framing': 'intact'}, lambda text: lines.append(f'error {text}'),
+                     lambda text: lines.append(f'info {text}'))
+    for index, letter in enumerate(levels):
+        level = LEVELS[letter]
+        log.check({} if level is None else {'Framing': Verdict(level, 'no frames')},
+                  100.0 + step * index)
+    return lines
+
+
+def test_an_error_is_logged_once_and_so_is_its_end():
+    """However long each lasts."""
+    assert logged('oooooo' + 'e' * 100 + 'o' * 100) == ['error no frames', 'info intact']
+    assert logged('e' * 9 + 'w' * 9 + 'e' * 9) == [
+        'error no frames', 'info intact', 'error no frames']
+
+
+def test_what_does_not_last_is_not_logged():
+    """A stream that begins, or a line at the limit."""
+    assert logged('eooo' * 50) == []
+    assert logged('e' * 9 + 'oe' * 50) == ['error no frames']
+
+
+def test_no_data_is_neither_wrong_nor_right():
+    """Nor is a port that is not open."""
+    assert logged('s' * 50) == [] and logged('-' * 50) == []
+    assert logged('e' * 9 + 's' * 50 + '-' * 50) == ['error no frames']
+    assert logged('eee' + 's' * 9 + 'eee') == []
+
+
+@given(st.text('eows-', max_size=300), st.sampled_from((0.05, 0.1, 0.5)))
+def test_lines_alternate_and_are_apart(levels, step):
+    """Whatever happens, an error and its end take turns, no faster than they last."""
+    lines = logged(levels, step)
+    assert lines[::2] == ['error no frames'] * len(lines[::2])
+    assert lines[1::2] == ['info intact'] * len(lines[1::2])
+    assert len(lines) <= len(levels) * step / LASTING
