@@ -3,14 +3,17 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+NOBLE := .venv-noble
 
-.PHONY: help setup run test lint docs bench bench-clock build clean
+.PHONY: help setup run test test-noble lint docs bench bench-clock build clean
 
 help:
 	@echo 'make run      watch the driver at work on an emulated device'
 	@echo '              PORT=/dev/ttyUSB0 for a real one, DURATION=15 to end by itself,'
 	@echo '              SENSOR=titan_m for the other device'
 	@echo 'make test     all tests and linters'
+	@echo 'make test-noble   all tests with the package versions of Ubuntu 24.04;'
+	@echo '              PYTHON=python3.12 for its Python, too'
 	@echo 'make lint     linters only'
 	@echo 'make bench    what a frame costs, with its floor'
 	@echo 'make bench-clock   how far stamps are from the truth; twenty minutes'
@@ -33,6 +36,16 @@ run: $(READY)
 test: $(READY)
 	$(BIN)/python -m pytest
 
+$(NOBLE)/.ready: requirements.txt test/constraints-ubuntu-24.04.txt setup.py setup.cfg
+	$(PYTHON) -m venv $(NOBLE)
+	$(NOBLE)/bin/pip install --quiet --disable-pip-version-check -r requirements.txt
+	$(NOBLE)/bin/pip install --quiet --disable-pip-version-check --no-deps -r test/constraints-ubuntu-24.04.txt
+	$(NOBLE)/bin/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+test-noble: $(NOBLE)/.ready
+	$(NOBLE)/bin/python -m pytest
+
 lint: $(READY)
 	$(BIN)/python -m pytest test/lint
 
@@ -49,4 +62,4 @@ build: $(READY)
 	. $(BIN)/activate && colcon build --paths .
 
 clean:
-	rm -rf $(VENV) build install log *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) $(NOBLE) build install log *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

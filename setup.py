@@ -19,7 +19,10 @@ setup(
         (f'share/{PACKAGE}/launch', glob('launch/*')),
     ],
     install_requires=['numpy', 'pyproj', 'pyserial', 'pyyaml', 'rich', 'setuptools'],
-    extras_require={'tools': ['matplotlib>=3.5', 'mcap>=1.6', 'rosbags>=0.11']},
+    extras_require={
+        'tools': ['matplotlib>=3.5', 'mcap>=1.6', 'rosbags>=0.11'],
+        'test': ['hypothesis', 'pytest'],       # by which colcon knows what to test with
+    },
     python_requires='>=3.10',
     zip_safe=True,
     maintainer='The bahrs_driver authors',

@@ -95,7 +95,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _convert(options: argparse.Namespace, conversion: Conversion, capture: Capture,
              folder: Path) -> Outcome:
-    output = CsvOutput(folder) if options.kind == 'csv' else \
+    output: CsvOutput | BagOutput = CsvOutput(folder) if options.kind == 'csv' else \
         BagOutput(folder, Path(options.output).name, options.namespace)
     console = Console(stderr=True)
     with contextlib.closing(output), Progress(

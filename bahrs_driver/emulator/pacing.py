@@ -64,8 +64,8 @@ def _whole(pieces: Iterable[Piece], framer: Framer) -> Iterator[Piece]:
 
 
 def _ticker(frames: list[Frame]) -> int | None:
-    return min((_type(frame) for frame in frames if _type(frame) in PERIODS),
-               key=lambda kind: PERIODS[kind], default=None)
+    kinds = [_type(frame) for frame in frames if _type(frame) in PERIODS]
+    return min(kinds, key=PERIODS.__getitem__) if kinds else None
 
 
 def _type(frame: Frame) -> int:

@@ -119,12 +119,12 @@ def _column(row: Row, raw: Array) -> Array:
         values[:] = [row.decode(bytes(item)) for item in raw]
         return values
     if row.plain:
-        return raw.astype(raw.dtype.newbyteorder('='))
+        return np.asarray(raw, raw.dtype.newbyteorder('='))
     if raw.dtype.itemsize <= _LOOKED_UP:
         found: Array = _every_value(row)[raw.astype(f'u{raw.dtype.itemsize}')]
         return found
     different, places = np.unique(raw, return_inverse=True)
-    return _decoded(row, different)[places.reshape(raw.shape)]
+    return np.asarray(_decoded(row, different)[places.reshape(raw.shape)])
 
 
 @lru_cache(maxsize=256)

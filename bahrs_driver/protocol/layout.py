@@ -177,7 +177,8 @@ class Layout(Generic[Message]):
             code = row.code if row.count == 1 else f'{row.count}{row.code}'
             code += 'x' * row.reserved
             self._rows.append((item.name, row, struct.Struct(byte_order + code)))
-            place = position if row.count == 1 else slice(position, position + row.count)
+            place: int | slice = position if row.count == 1 else slice(
+                position, position + row.count)
             self._steps.append((row.decode, place))
             codes += code
             position += row.count

@@ -57,7 +57,7 @@ class Allan:
 
 def allan(values: Array, period: float) -> Allan:
     """Return the deviation of evenly spaced values, period seconds apart."""
-    integral = np.concatenate(([0.0], np.cumsum(values - values.mean()))) * period
+    integral = np.cumsum(np.append(0.0, values - values.mean())) * period
     longest = max(1, int(len(values) * LONGEST_SHARE))
     last_certain = max(1, int(len(values) / CERTAIN))
     sizes = np.union1d(np.geomspace(1, longest, POINTS).astype(np.int64), last_certain)

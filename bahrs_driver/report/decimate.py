@@ -51,7 +51,6 @@ def runs(seconds: Array, states: Array) -> list[tuple[float, float, int]]:
     if not len(states):
         return []
     changes = np.flatnonzero(np.diff(states)) + 1
-    begins = np.concatenate(([0], changes))
-    ends = np.concatenate((changes, [len(states) - 1]))
+    edges = [0, *changes.tolist(), len(states) - 1]
     return [(float(seconds[begin]), float(seconds[end]), int(states[begin]))
-            for begin, end in zip(begins, ends)]
+            for begin, end in zip(edges, edges[1:])]

@@ -163,7 +163,7 @@ def _say_if_empty(axes: Axes) -> None:
 
 def _pair() -> tuple[Figure, list[Axes]]:
     figure = Figure(figsize=(WIDTH, 3.6), layout='constrained')
-    axes = list(figure.subplots(1, 2))
+    axes: list[Axes] = figure.subplots(1, 2, squeeze=False)[0].tolist()
     for each in axes:
         each.grid(True, which='major', color='#dddddd', lw=0.6)
         each.spines[['top', 'right']].set_visible(False)

@@ -39,7 +39,7 @@ def longest_rest(seconds: Array, force: Array, rate: Array) -> Rest:
     period = np.median(np.diff(seconds))
     gaps = np.flatnonzero(np.diff(seconds) > 1.5 * period) + 1
     still[np.searchsorted(starts, gaps, side='right') - 1] = False
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], still.astype(np.int8), [0]))))
+    edges = np.flatnonzero(np.diff(still.astype(np.int8), prepend=0, append=0))
     runs = edges.reshape(-1, 2)
     if not len(runs):
         return Rest(0, 0)

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The linters of ROS, and mypy, as tests."""
 
+from importlib.metadata import version
 from pathlib import Path
 import subprocess
 import sys
@@ -14,10 +15,16 @@ SOURCES = [str(ROOT / name)
            for name in ('bahrs_driver', 'bench', 'launch', 'test', 'tools', 'setup.py')]
 
 
+# Python 3.12 has tokens inside an f-string, which older flake8-quotes take for strings.
+QUOTES_IN_F_STRINGS = (sys.version_info >= (3, 12)
+                       and version('flake8-quotes').split('.') < ['3', '4'])
+
+
 def test_flake8():
     """Style, quotes, unused names, import order."""
-    status, errors = main_with_errors(argv=SOURCES)
-    assert status == 0, '\n'.join(errors)
+    _, errors = main_with_errors(argv=SOURCES)
+    errors = [error for error in errors if not (QUOTES_IN_F_STRINGS and ' Q000 ' in error)]
+    assert errors == [], '\n'.join(errors)
 
 
 def test_pep257():

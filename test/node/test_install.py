@@ -4,6 +4,7 @@
 
 import os
 from pathlib import Path
+import re
 import shutil
 import subprocess
 import sys
@@ -19,20 +20,30 @@ ROOT = Path(__file__).resolve().parents[2]
 @pytest.fixture(scope='module')
 def prefix(tmp_path_factory):
     """Build the package with colcon and return the folder that it is installed in."""
-    path = f'{Path(sys.executable).parent}{os.pathsep}{os.environ["PATH"]}'
-    colcon = shutil.which('colcon', path=path)
-    if colcon is None:
-        pytest.skip('there is no colcon to build with')
     folder = tmp_path_factory.mktemp('colcon')
+    colcon(folder, 'build', *bases(folder), '--event-handlers', 'console_direct+')
+    return folder / 'install'
+
+
+def bases(folder):
+    """Return where colcon finds the package, and where it builds and installs it."""
+    return ('--paths', ROOT, '--build-base', folder / 'build',
+            '--install-base', folder / 'install')
+
+
+def colcon(folder, *words):
+    """Run colcon, which must succeed, and return what it prints."""
+    path = f'{Path(sys.executable).parent}{os.pathsep}{os.environ["PATH"]}'
+    program = shutil.which('colcon', path=path)
+    if program is None:
+        pytest.skip('there is no colcon to build with')
     done = subprocess.run(
-        [colcon, '--log-base', folder / 'log', 'build',
-         '--paths', ROOT, '--build-base', folder / 'build', '--install-base', folder / 'install',
-         '--event-handlers', 'console_direct+'],
+        [program, '--log-base', folder / 'log', *words],
         cwd=folder, capture_output=True, text=True, check=False,
         env={name: value for name, value in os.environ.items()
              if name not in ('AMENT_PREFIX_PATH', 'PYTHONDONTWRITEBYTECODE')})
     assert done.returncode == 0, done.stdout + done.stderr
-    return folder / 'install'
+    return done.stdout
 
 
 def test_files_are_where_ros_looks_for_them(prefix):
@@ -45,6 +56,17 @@ def test_files_are_where_ros_looks_for_them(prefix):
                  'share/bahrs_driver/launch/titan_m.launch.py',
                  'share/bahrs_driver/config/titan_m.yaml'):
         assert (base / name).is_file(), name
+
+
+def test_colcon_runs_the_tests(prefix):
+    """Those that pytest finds: a few of them here, and their results are where colcon looks."""
+    folder = prefix.parent
+    few = sorted(str(path.relative_to(ROOT)) for path in (ROOT / 'test' / 'config').glob('*.py'))
+    colcon(folder, 'test', *bases(folder), '--return-code-on-test-failure',
+           '--pytest-args', *few)
+    text = colcon(folder, 'test-result', '--test-result-base', folder / 'build', '--verbose')
+    count = re.fullmatch(r'Summary: (\d+) tests, 0 errors, 0 failures, 0 skipped\n', text)
+    assert count and int(count[1]) >= len(few), text
 
 
 def test_built_node_publishes_the_recording(prefix, tmp_path):

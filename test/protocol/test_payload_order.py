@@ -82,9 +82,13 @@ def test_no_more_than_so_many_are_held():
     assert reader.order == 'big'
 
 
-ordinary = st.floats(-50, 50, width=32).filter(lambda value: abs(value) > 1e-3)
-triples = st.tuples(ordinary, ordinary, ordinary)
-angles = st.tuples(*[st.floats(-3, 3, width=32).filter(lambda value: abs(value) > 1e-3)] * 3)
+def either_sign(least, most):
+    """Return numbers that are neither tiny nor large."""
+    return st.one_of(st.floats(least, most, width=32), st.floats(-most, -least, width=32))
+
+
+triples = st.tuples(*[either_sign(2 ** -10, 50)] * 3)
+angles = st.tuples(*[either_sign(2 ** -10, 3)] * 3)
 
 
 @given(st.lists(st.builds(State, triples, triples, angles, triples), min_size=4, max_size=4),
