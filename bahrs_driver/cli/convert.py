@@ -13,6 +13,7 @@ import sys
 from typing import Any
 
 from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.cli.ros import checked_namespace
 from bahrs_driver.link import Link
 from bahrs_driver.parameters import defaults, ParameterError, PARAMETERS
@@ -21,8 +22,7 @@ from bahrs_driver.recording.conversion import Conversion, Outcome
 from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.recording.outputs import BagOutput, CsvOutput
 from bahrs_driver.sensors import LISTENING, SENSORS
-from rich.console import Console
-from rich.progress import Progress, TaskID
+from rich.progress import TaskID
 import yaml
 
 
@@ -97,9 +97,7 @@ def _convert(options: argparse.Namespace, conversion: Conversion, capture: Captu
              folder: Path) -> Outcome:
     output: CsvOutput | BagOutput = CsvOutput(folder) if options.kind == 'csv' else \
         BagOutput(folder, Path(options.output).name, options.namespace)
-    console = Console(stderr=True)
-    with contextlib.closing(output), Progress(
-            console=console, transient=True, disable=not console.is_terminal) as bar:
+    with contextlib.closing(output), progress_bar() as bar:
         tasks: dict[str, TaskID] = {}
 
         def progress(what: str) -> None:

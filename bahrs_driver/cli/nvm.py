@@ -16,6 +16,7 @@ from typing import Any
 
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.files import binary_input
+from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.clock import ArrivalStamps
 from bahrs_driver.link import Link, Reading
 from bahrs_driver.nvm_reader import NvmError, NvmReader
@@ -26,8 +27,6 @@ from bahrs_driver.protocol.nvm import NvmSession, PAGE_SIZE, PAGES, State, VARIA
 from bahrs_driver.protocol.nvm_image import Assertions, Found, KNOWN_FORMAT, parse
 from bahrs_driver.receiver import Received, Receiver
 from bahrs_driver.whole_file import check_target, write_whole
-from rich.console import Console
-from rich.progress import Progress
 
 LISTEN_TIME = 3.0       # s in which a device that streams, or just starts, is heard
 ERASED = '\xff'         # what memory is full of where nobody has written
@@ -106,7 +105,7 @@ def _pages(options: argparse.Namespace, wanted: Sequence[int]) -> bytes:
         if device.streams(LISTEN_TIME) and not options.yes:
             _ask()
         try:
-            with Progress(console=Console(stderr=True), transient=True) as progress:
+            with progress_bar() as progress:
                 task = progress.add_task('', total=1.0)
                 pages = device.reader.read(wanted, lambda session: progress.update(
                     task, completed=session.progress, description=_description(session)))

@@ -8,6 +8,7 @@ import os
 from pathlib import Path
 
 from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.printable import printable
 from bahrs_driver.recording.capture import Capture, read_capture
 from bahrs_driver.recording.errors import CaptureError
@@ -16,8 +17,6 @@ from bahrs_driver.report.findings import findings
 from bahrs_driver.report.gather import gather, Recording
 from bahrs_driver.report.page import page
 from bahrs_driver.whole_file import write_whole
-from rich.console import Console
-from rich.progress import Progress
 
 _EXAMPLES = """examples:
   bahrs report flight.bin                       writes flight.html beside it
@@ -85,8 +84,7 @@ def _target(options: argparse.Namespace) -> Path:
 
 
 def _gather(options: argparse.Namespace, capture: Capture) -> Recording:
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+    with progress_bar() as progress:
         task = progress.add_task(os.path.basename(options.input), total=capture.size or None)
         return gather(capture, options.crc, options.pressure_height,
                       lambda: progress.update(task, completed=capture.done))

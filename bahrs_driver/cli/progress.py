@@ -1,0 +1,19 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""A bar of progress on standard error, if that is a terminal."""
+
+from collections.abc import Iterator
+import contextlib
+
+from rich.console import Console
+from rich.progress import Progress
+
+
+@contextlib.contextmanager
+def progress_bar() -> Iterator[Progress]:
+    """Show a bar on a terminal, and write nothing at all into a file or a pipe."""
+    console = Console(stderr=True)
+    progress = Progress(console=console, transient=True)
+    # Not with disable=True: rich 13 ends even a disabled bar with an empty line.
+    with progress if console.is_terminal else contextlib.nullcontext():
+        yield progress
