@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 NOBLE := .venv-noble
 
-.PHONY: help setup run test test-noble lint docs bench bench-clock build clean
+.PHONY: help setup run test test-noble lint docs bench bench-clock bench-exits build clean
 
 help:
 	@echo 'make run      watch the driver at work on an emulated device'
@@ -17,6 +17,7 @@ help:
 	@echo 'make lint     linters only'
 	@echo 'make bench    what a frame costs, with its floor'
 	@echo 'make bench-clock   how far stamps are from the truth; twenty minutes'
+	@echo 'make bench-exits   how long the node takes to end after a signal; fifteen minutes'
 	@echo 'make docs     write the tables of the README from the code'
 	@echo 'make build    build with colcon into install/'
 	@echo 'make setup    make .venv'
@@ -54,6 +55,9 @@ docs: $(READY)
 
 bench: $(READY)
 	$(BIN)/python bench/protocol.py
+
+bench-exits: $(READY)
+	PYTHONPATH=bench:test $(BIN)/python bench/exits.py
 
 bench-clock: $(READY)
 	PYTHONPATH=bench:test $(BIN)/python bench/clock.py --node

@@ -7,9 +7,10 @@ from concurrent.futures import ThreadPoolExecutor
 import sys
 
 from bahrs_driver.executor import DrainingExecutor
+from bahrs_driver.exit_timer import exit_after
 from bahrs_driver.node import DriverNode
 from bahrs_driver.parameters import ParameterError
-from bahrs_driver.shutdown_event import ShutdownEvent
+from bahrs_driver.shutdown_event import EXIT_TIME, ShutdownEvent
 import rclpy
 from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError
 from rclpy.signals import SignalHandlerOptions
@@ -51,6 +52,7 @@ def _run_node(shutdown: ShutdownEvent) -> None:
             pool.submit(_keep_running, name, run_thread, node, shutdown)
         pool.submit(executor.spin)
         shutdown.wait()
+        exit_after(EXIT_TIME)
         node.leave_device()
         node.stop()
         executor.stop()

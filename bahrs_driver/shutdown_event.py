@@ -12,12 +12,13 @@ import contextlib
 import os
 import select
 import signal
+import sys
 import threading
-import time
+from typing import NoReturn
 
-STANDARD_ERROR = 2
-EXIT_TIME = 0.8             # s from the event to the end of the process
-_FORCED_EXIT = b'bahrs_driver: shutting down took too long, the rest was skipped\n'
+from bahrs_driver.exit_timer import exit_after
+
+EXIT_TIME = 0.5             # s from the event to the end of the process
 HANDLED_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -56,28 +57,27 @@ class ShutdownEvent:
             signal.signal(kind, _noop_handler)
         signal.set_wakeup_fd(self._write_end, warn_on_full_buffer=False)
 
-    def limit_exit_time(self, limit: float = EXIT_TIME) -> None:
+    def limit_exit_time(self, seconds: float = EXIT_TIME) -> None:
         """End the process with status 0 if it still runs a time in seconds after the event."""
-        threading.Thread(target=self._end_process, args=(limit,), daemon=True).start()
+        def watch() -> None:
+            self.wait()
+            exit_after(seconds)
 
-    def _end_process(self, limit: float) -> None:
-        self.wait()
-        time.sleep(limit)
-        # The standard streams may be what the process hangs on: they are not flushed.
-        with contextlib.suppress(OSError):
-            os.write(STANDARD_ERROR, _FORCED_EXIT)
-        os._exit(0)
+        threading.Thread(target=watch, name='exit limit', daemon=True).start()
 
 
-def ignore_signals() -> None:
+def end_process(status: int) -> NoReturn:
     """
-    Ignore the handled signals from now on. Only the main thread may call it.
+    End the process now, without the interpreter's clean-up.
 
-    While the interpreter ends it restores the default action, with which a second Ctrl-C would
-    turn a clean exit into a death by signal.
+    That takes half a second, some of it in destructors of the middleware, which are not free of
+    the host's clock, and with the default action of signals restored: a second Ctrl-C would turn
+    a clean exit into a death by signal.
     """
-    for kind in HANDLED_SIGNALS:
-        signal.signal(kind, signal.SIG_IGN)
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError):      # closed, or a broken pipe
+            stream.flush()
+    os._exit(status)
 
 
 def _noop_handler(*_: object) -> None:

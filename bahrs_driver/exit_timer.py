@@ -1,0 +1,45 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A time limit for the end of a process, which holds even if no Python code can run any more.
+
+Fast DDS waits for its shared memory until a point in time of the host's clock, and once that
+clock was set back by an hour, destroying a node takes an hour. rclpy holds the interpreter's
+lock meanwhile, so neither a thread nor a signal handler in Python could end the process. A POSIX
+timer on the monotonic clock can: its notification is a call of _exit() in a thread of the C
+library.
+"""
+
+import ctypes
+import time
+
+_SIGEV_THREAD = 2
+
+
+class _SigEvent(ctypes.Structure):
+    """struct sigevent of Linux: 64 bytes."""
+
+    _fields_ = [('value', ctypes.c_void_p), ('signal', ctypes.c_int), ('notify', ctypes.c_int),
+                ('function', ctypes.c_void_p), ('attributes', ctypes.c_void_p),
+                ('padding', ctypes.c_char * 32)]
+
+
+class _TimerSpec(ctypes.Structure):
+    """struct itimerspec: period and first expiry, each in seconds and nanoseconds."""
+
+    _fields_ = [(name, ctypes.c_long) for name in (
+        'period_sec', 'period_nsec', 'first_sec', 'first_nsec')]
+
+
+def exit_after(seconds: float, status: int = 0) -> None:
+    """End the process with an exit status after a time in seconds, whatever it does then."""
+    libc = ctypes.CDLL(None, use_errno=True)
+    timer = ctypes.c_void_p()
+    event = _SigEvent(value=status, notify=_SIGEV_THREAD,
+                      function=ctypes.cast(libc._exit, ctypes.c_void_p))
+    whole, nanoseconds = divmod(max(1, round(seconds * 1e9)), 10 ** 9)
+    if libc.timer_create(time.CLOCK_MONOTONIC, ctypes.byref(event), ctypes.byref(timer)) or \
+            libc.timer_settime(timer, 0, ctypes.byref(_TimerSpec(0, 0, whole, nanoseconds)),
+                               None):
+        error = ctypes.get_errno()
+        raise OSError(error, 'cannot start the exit timer')
