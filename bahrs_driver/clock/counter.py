@@ -9,6 +9,8 @@ frame after it follows on the one before it, all is well again. Too many such in
 a silence that may have been a turn of the counter, mean that only a time message can tell.
 """
 
+from dataclasses import dataclass
+
 from bahrs_driver.clock.units import MILLISECOND, NANOSECONDS
 
 MODULUS = 256
@@ -16,6 +18,19 @@ PERIOD = 5 * MILLISECOND        # nominal, from one inertial sample to the next
 LONGEST_SILENCE = 6 * NANOSECONDS // 10     # about half a turn of the counter
 SLACK = NANOSECONDS // 10       # what a bound may be late by
 DOUBTS = 3                      # counters in a row that make no sense
+
+
+@dataclass(frozen=True, slots=True)
+class CountedSequence:
+    """A sample's count, and the counter that its frame has or should have had."""
+
+    count: int
+    sequence: int
+
+    def nearest(self, sequence: int) -> int:
+        """Return the count of the sample with a counter that is nearest to this one."""
+        half = MODULUS // 2
+        return self.count + (sequence - self.sequence + half) % MODULUS - half
 
 
 class SampleCounter:
@@ -38,9 +53,10 @@ class SampleCounter:
         return self._sequence >= 0
 
     @property
-    def sequence(self) -> int:
-        """Counter of the latest sample, or what it should have been."""
-        return (self._sequence + self.count - self._trusted) % MODULUS
+    def latest(self) -> CountedSequence:
+        """Count of the latest sample, and its counter or what it should have been."""
+        sequence = (self._sequence + self.count - self._trusted) % MODULUS
+        return CountedSequence(self.count, sequence)
 
     def silence_before(self, bound: int) -> bool:
         """Whether a frame with this bound comes after so long a time that turns may be lost."""
@@ -85,9 +101,14 @@ class SampleCounter:
         return True
 
     def jump(self, sequence: int, bound: int) -> None:
-        """Take a frame whose counter cannot be told from the one before."""
+        """Take a frame whose count cannot be told from the one before."""
+        self.expect(sequence, bound)
+        self.follow(sequence, bound)
+
+    def expect(self, sequence: int, bound: int) -> None:
+        """Go on as if the frame before that with this counter had come."""
         ahead = (sequence - self._sequence) % MODULUS or MODULUS
-        self._trust(sequence, self._trusted + ahead, bound)
+        self._trust((sequence - 1) % MODULUS, self._trusted + ahead - 1, bound)
         self._before = -1, 0
         self._bound = bound
 
@@ -95,11 +116,6 @@ class SampleCounter:
     def lost(self) -> bool:
         """Whether the counter has made no sense for too long."""
         return self._doubts >= DOUBTS
-
-    def nearest(self, sequence: int) -> int:
-        """Return the count of the sample with this counter that is nearest to the latest."""
-        ahead = (sequence - self.sequence + MODULUS // 2) % MODULUS - MODULUS // 2
-        return self.count + ahead
 
     def _trust(self, sequence: int, count: int, bound: int) -> None:
         self._before = self._sequence, self._trusted

@@ -35,8 +35,9 @@ class DeviceTime:
         self.counter = SampleCounter()
         self.labels = LabelReading(label)
         self.known = False
+        self.adrift = True              # no count is known until the next sample tells it
         self.rejected = 0               # time messages that contradicted
-        self._navigation = NavigationCounter()
+        self.navigation = NavigationCounter()
         self._timeline: Timeline | None = None
         self._candidate: Timeline | None = None
         self._lost = False
@@ -61,35 +62,44 @@ class DeviceTime:
         assert self._timeline
         return self._timeline.count_at(time)
 
+    def cut_adrift(self) -> None:
+        """Forget the present count after a silence, in which the counter may have turned."""
+        self.adrift = True
+        self._lose()
+
+    def find(self, sequence: int, bound: int) -> None:
+        """End being adrift: go on as if the sample before that with this counter had come."""
+        self.counter.expect(sequence, bound)
+        self.adrift = False
+
     def lose(self, sequence: int, bound: int) -> None:
         """Take a sample whose count can only be told by the next time message."""
         self.counter.jump(sequence, bound)
-        self._lost, self.known = True, False
+        self._lose()
 
-    def navigation(self, sequence: int) -> int | None:
-        """Return the count of the inertial sample that goes with a navigation message."""
-        if not self.counter.started:
-            return None
-        self._navigation.pair(sequence, self.counter.sequence)
-        return self._nearest_navigation(sequence)
+    def pair(self, sequence: int) -> None:
+        """Take the counter of a navigation message that follows the latest inertial one."""
+        self.navigation.pair(sequence, self.counter.latest.sequence)
 
-    def inertial_time(self, reference: int) -> int | None:
+    def inertial_time(self, reference: int) -> int:
         """Return the count of the sample that an inertial time message is about."""
-        if not self.counter.started:
-            return None
-        named = self.counter.nearest(reference)
+        named = self.counter.latest.nearest(reference)
         self.labels.vote(named - self.counter.count)
         return named - self.labels.ahead
 
     def navigation_time(self, reference: int) -> int | None:
         """Return the count of the sample that a navigation time message is about."""
-        named = self._nearest_navigation(reference)
+        named = self.navigation.count(reference, self.counter.latest)
         if named is None:
             return None
         ahead, odd = divmod(named - self.counter.count, PER_NAVIGATION)
         if not odd:
             self.labels.vote(ahead)
         return named - PER_NAVIGATION * self.labels.ahead
+
+    def agrees(self, count: int, time: int) -> bool:
+        """Whether a sample's device time fits what is known."""
+        return self._timeline is not None and self._timeline.agrees(count, time)
 
     def time_message(self, count: int, time: int, lateness: int | None) -> Verdict:
         """
@@ -140,6 +150,7 @@ class DeviceTime:
         self.known = False
         return Verdict.DOUBTED
 
-    def _nearest_navigation(self, sequence: int) -> int | None:
-        inertial = self._navigation.inertial(sequence)
-        return None if inertial is None else self.counter.nearest(inertial)
+    def _lose(self) -> None:
+        # A doubt of before speaks of counts that mean nothing any more.
+        self._candidate = None
+        self._lost, self.known = True, False

@@ -3,36 +3,43 @@
 """
 Which inertial sample a navigation message is of the same time as.
 
-`inertial - 2 * navigation` (modulo 256) is the same for as long as the device runs. It is taken
-from the first pair of neighbours, and anew when five in a row say another, as one of a pair may
-be lost.
+`inertial - 2 * navigation` (modulo 256) is constant for as long as the device runs. Each pair of
+neighbours gives it, but one of a pair may be lost. At first the most frequent value of the last
+few pairs counts; once five in a row have agreed, only another five in a row change it.
 """
 
 from collections import deque
 
-from bahrs_driver.clock.counter import MODULUS
+from bahrs_driver.clock.counter import CountedSequence, MODULUS
 
 PER_NAVIGATION = 2
 WITNESSES = 5
 
 
 class NavigationCounter:
-    """Tells the inertial counter that goes with that of a navigation message."""
+    """Finds the inertial sample that goes with a navigation message."""
 
     def __init__(self) -> None:
         """Start without a pair."""
         self._difference: int | None = None
         self._recent: deque[int] = deque(maxlen=WITNESSES)
+        self._certain = False
 
     def pair(self, navigation: int, inertial: int) -> None:
         """Take the counter of a navigation message and of the latest inertial one."""
-        difference = (inertial - PER_NAVIGATION * navigation) % MODULUS
-        self._recent.append(difference)
-        if self._difference is None or self._recent.count(difference) == WITNESSES:
-            self._difference = difference
+        self._recent.append((inertial - PER_NAVIGATION * navigation) % MODULUS)
+        frequent = max(self._recent, key=self._recent.count)
+        unanimous = self._recent.count(frequent) == WITNESSES
+        if unanimous or not self._certain:
+            self._difference = frequent
+            self._certain = unanimous
 
-    def inertial(self, navigation: int) -> int | None:
-        """Return the inertial counter for a navigation counter, if pairs were seen."""
+    def count(self, navigation: int, near: CountedSequence) -> int | None:
+        """
+        Return the count of the inertial sample of a navigation message; None before any pair.
+
+        near is the inertial sample that came last before that message.
+        """
         if self._difference is None:
             return None
-        return (PER_NAVIGATION * navigation + self._difference) % MODULUS
+        return near.nearest(PER_NAVIGATION * navigation + self._difference)

@@ -18,3 +18,4 @@ class ClockOptions:
     fixed_latency: int = 0
     pulse_period: int = NANOSECONDS
     pulse_times_told: bool = False      # rather than whole periods of ROS time
+    most_held: int = 60                 # inertial samples that may wait for device time

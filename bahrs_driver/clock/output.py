@@ -5,7 +5,8 @@ From estimates to stamps that people can use: smooth, in order, and never from t
 
 An estimate may move when more is known. Stamps follow it slowly, so that the time between two
 samples stays what it was; fast only at the start. A stamp is never later than what the bytes
-prove, and never as early as the one before.
+prove, and never as early as the one before. What is about a time between samples, such as a
+pulse, goes on the same line and is in order with its own kind.
 """
 
 from bahrs_driver.clock.host import HostClocks
@@ -15,7 +16,6 @@ from bahrs_driver.clock.units import MILLISECOND, NANOSECONDS
 SLEW, FIRST_SLEW = 500e-6, 0.1
 FIRST_SPAN = 3 * NANOSECONDS
 IMPOSSIBLE = MILLISECOND            # after its own read
-SAME = MILLISECOND                  # device times that differ by less are of one sample
 
 
 class Output:
@@ -23,11 +23,10 @@ class Output:
 
     def __init__(self, host: HostClocks, fixed_latency: int) -> None:
         """Take the host's clocks, and what to subtract from all stamps, in ns."""
-        self.dropped = 0
         self._host = host
         self._fixed_latency = fixed_latency
         self._last_ros = 0
-        self._memory: tuple[int, int] | None = None     # device time and stamp of the latest
+        self._last_of: dict[type, int] = {}     # stamp of the latest message of each type
         self.restart()
 
     def restart(self) -> None:
@@ -35,7 +34,6 @@ class Output:
         self._lag = 0.0                     # of the stamps behind the estimate
         self._device = self._target = 0
         self._begin: int | None = None
-        self._memory = None
 
     def hurry(self) -> None:
         """Let stamps follow fast for a while, as at the start."""
@@ -44,7 +42,7 @@ class Output:
     def allow_backward(self) -> None:
         """Let the next stamp be earlier than the last: the host was set back."""
         self._last_ros = 0
-        self._memory = None
+        self._last_of.clear()
 
     def stamp(self, device: int, target: int, skew: float, bound: int, now: Instant) -> int | None:
         """
@@ -54,26 +52,22 @@ class Output:
         that it was not sent after, now the read that brought it.
         """
         if target > now.raw_ns + IMPOSSIBLE:
-            self.dropped += 1
             return None
-        raw = min(target + self._follow(device, target, skew), bound)
-        stamp = self.arrival(raw)
-        self._memory = device, stamp
-        return stamp
+        return self.arrival(min(target + self._follow(device, target, skew), bound))
 
     def arrival(self, raw: int) -> int:
         """Return the stamp of a sample of which only a raw time is known."""
-        stamp = self.plain(raw)
-        if stamp <= self._last_ros:
-            stamp = self._last_ros + 1
-        self._last_ros = stamp
-        return stamp
+        self._last_ros = max(self.plain(raw), self._last_ros + 1)
+        return self._last_ros
 
-    def again(self, device: int) -> int | None:
-        """Return the stamp that was given to the sample of this device time, if the latest."""
-        if self._memory and abs(device - self._memory[0]) < SAME:
-            return self._memory[1]
-        return None
+    def between(self, target: int, bound: int) -> int:
+        """Return the stamp of an estimated raw time, on the line that samples are on."""
+        return self.plain(min(target + round(self._lag), bound))
+
+    def in_order(self, kind: type, stamp: int) -> int:
+        """Return a stamp, moved behind that of the latest message of its kind if need be."""
+        self._last_of[kind] = max(stamp, self._last_of.get(kind, 0) + 1)
+        return self._last_of[kind]
 
     def plain(self, raw: int) -> int:
         """Return the ROS time of a raw time, whatever came before."""

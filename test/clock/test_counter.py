@@ -69,5 +69,5 @@ def test_nearest():
     """Time messages name samples around the latest one."""
     counter = SampleCounter()
     counter.place(250, 0, None)
-    assert [counter.nearest(sequence) for sequence in (250, 251, 249, 3, 130)] == [
+    assert [counter.latest.nearest(sequence) for sequence in (250, 251, 249, 3, 130)] == [
         0, 1, -1, 9, -120]

@@ -116,6 +116,7 @@ def test_after_silence_one_is_enough_if_the_hosts_clock_agrees():
 def test_navigation_goes_with_the_inertial_sample_of_its_time():
     """Half as many, and after a turn of the counter, too."""
     made = device(5)
-    assert made.navigation(2) == 4
+    made.pair(2)
+    assert made.navigation.count(2, made.counter.latest) == 4
     made.counter.place(5, 5 * PERIOD, None)
     assert made.navigation_time(3) == 6

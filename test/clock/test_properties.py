@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whatever comes, the clock does not raise, keeps its promises, and recovers."""
 
-from bahrs_driver.clock import Instant, SampleClock
-from bahrs_driver.clock.sample_clock import MOST_WAITING
+from bahrs_driver.clock import ClockOptions, Instant, SampleClock
+from bahrs_driver.clock.held import LATE_KINDS
 from bahrs_driver.protocol.bahrs import (
     Inertial,
     InertialTime,
@@ -17,6 +17,7 @@ from hypothesis import given, settings, strategies as st
 from simulated import simulated
 
 FAULTS_END = 8.0
+MOST_WAITING = LATE_KINDS * ClockOptions().most_held
 counters = st.integers(0, 255)
 times = st.one_of(st.integers(0, 2 ** 64 - 1), st.integers(0, 10 ** 7))
 messages = st.one_of(

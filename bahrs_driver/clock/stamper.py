@@ -1,0 +1,114 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The stamp of each message, once it is its turn.
+
+A sample has the stamp of its device time. A navigation message has the stamp of its inertial
+sample, and a time message that of the sample that it is about, so that what is of one time is
+under one stamp. A pulse has a time of its own, however near a sample it was.
+"""
+
+from dataclasses import dataclass
+
+from bahrs_driver.clock.device_time import DeviceTime
+from bahrs_driver.clock.held import Held
+from bahrs_driver.clock.interface import Instant
+from bahrs_driver.clock.output import IMPOSSIBLE, Output
+from bahrs_driver.clock.sync_pulses import SyncPulses
+from bahrs_driver.clock.tracker import Tracker
+from bahrs_driver.clock.units import MILLISECOND, NANOSECONDS
+from bahrs_driver.protocol.bahrs import Inertial, SyncPulseTime
+
+LONGEST_AGO = 10 * NANOSECONDS      # that a message may tell of
+SAME = MILLISECOND      # device times that differ by less are of one sample
+
+
+@dataclass(frozen=True, slots=True)
+class _Latest:
+    """The sample that was stamped last."""
+
+    count: int | None
+    device: int | None      # device time, if it was known
+    stamp: int
+
+
+class Stamper:
+    """Stamps messages by device time, or by arrival if that is not known."""
+
+    def __init__(self, device: DeviceTime, tracker: Tracker, output: Output,
+                 pulses: SyncPulses) -> None:
+        """Stamp by the estimates of these."""
+        self.arrivals = 0               # inertial samples stamped without device time
+        self.dropped = 0                # samples whose time cannot be
+        self._device, self._tracker = device, tracker
+        self._output, self._pulses = output, pulses
+        self._latest: _Latest | None = None
+
+    def allow_backward(self) -> None:
+        """Let the next stamp be earlier than the last: the host was set back."""
+        self._output.allow_backward()
+        self._latest = None
+
+    def stamp(self, item: Held, known: bool, now: Instant) -> int | None:
+        """
+        Return the stamp of the next message; None if its time cannot be.
+
+        known is whether device time is, now the latest read.
+        """
+        if not item.timed:
+            return self._output.plain(item.bound)
+        if item.device is not None:         # it is about a time
+            stamp = self._point(item, item.device, now) if known else None
+        else:
+            stamp = self._sample(item, known, now)
+            self.dropped += stamp is None
+        kind = type(item.message)
+        return stamp if stamp is None or kind is Inertial else self._output.in_order(kind, stamp)
+
+    def estimate(self, device: int) -> tuple[int, float]:
+        """Return the host's raw time for a device time, and the skew."""
+        line = self._pulses.line
+        if line:
+            return line.host_time(device), line.skew
+        delay = self._pulses.delay.value if self._pulses.in_charge else None
+        return self._tracker.host_time(device) - (delay or 0), self._tracker.skew
+
+    def _sample(self, item: Held, known: bool, now: Instant) -> int | None:
+        """Return the stamp of an inertial or navigation message."""
+        if not item.near:
+            return self._new_sample(item, item.count, known, now)
+        before = item.near.count        # the sample that it follows is its own, or was lost
+        count = max(before, self._device.navigation.count(item.message.sequence, item.near) or 0)
+        stamp = self._navigation(item, count, known, now)
+        return self._navigation(item, before, known, now) if stamp is None else stamp
+
+    def _navigation(self, item: Held, count: int, known: bool, now: Instant) -> int | None:
+        """Return the stamp of the sample with this count, which may have it already."""
+        if self._latest and self._latest.count == count:
+            return self._latest.stamp
+        return self._new_sample(item, count, known, now)
+
+    def _new_sample(self, item: Held, count: int | None, known: bool, now: Instant) -> int | None:
+        device = None
+        if known and count is not None:
+            device = self._device.time_of(count)
+            target, skew = self.estimate(device)
+            stamp = self._output.stamp(device, target, skew, item.bound, now)
+            if stamp is None:
+                return None
+        else:
+            self.arrivals += type(item.message) is Inertial
+            stamp = self._output.arrival(item.bound)
+        self._latest = _Latest(count, device, stamp)
+        return stamp
+
+    def _point(self, item: Held, device: int, now: Instant) -> int | None:
+        """Return the ROS time of any device time that can be of the present."""
+        latest = self._latest
+        if latest and latest.device is not None and type(item.message) is not SyncPulseTime \
+                and abs(device - latest.device) < SAME:
+            return latest.stamp
+        raw, _ = self.estimate(device)
+        if -LONGEST_AGO < raw - now.raw_ns < IMPOSSIBLE:
+            return self._output.between(raw, item.bound)
+        return None
