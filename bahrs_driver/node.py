@@ -56,7 +56,8 @@ class DriverNode(Node):
         self._sensor = sensor = SENSORS[settings['sensor']](settings, self._link)
         for sentence in (*unknown_names(self), *sensor.warnings):
             self._log.warning(sentence)
-        self.receiver = Receiver(self._link, sensor.framer, sensor.codec, sensor.clock, self)
+        self.receiver = Receiver(self._link, sensor.framer, sensor.codec, sensor.clock, self,
+                                 self.faults)
         self._time_task = TimeTask(sensor.clock, sensor.health.stale)
         self._counts = dict.fromkeys(sensor.topics, 0)
         self._monitor = self._make_monitor(settings)
@@ -139,10 +140,13 @@ class DriverNode(Node):
         sensor = self._sensor
         self._time_task.update(now)
         for message, frame, stamp_ns in batch:
-            sensor.health.observe(message, now)
-            if sensor.nvm:
-                sensor.nvm.receive(message, frame)
-            self._publish(sensor.converter.convert(message, stamp_ns))
+            try:
+                sensor.health.observe(message, now)
+                if sensor.nvm:
+                    sensor.nvm.receive(message, frame)
+                self._publish(sensor.converter.convert(message, stamp_ns))
+            except Exception as error:
+                self.faults.report(f'publishing {message.NAME}', error)
         self._heard_ns = max(stamp_ns for *_, stamp_ns in batch)
         self._report_change()
 
@@ -204,7 +208,7 @@ class DriverNode(Node):
                         sensor.protocol, settings['diagnostics.damaged_share']),
             self._time_task,
             *sensor.health.tasks,
-            PublishingTask(self._counts, sensor.silence_timeout)]
+            PublishingTask(self._counts, sensor.silence_timeout, self.faults)]
         return Monitor(tasks, node_label(self.get_name(), self.get_namespace(),
                                          settings['diagnostics.qualified_name']),
                        self._link.name)

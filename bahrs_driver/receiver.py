@@ -4,21 +4,25 @@
 The one thread that reads: read, feed, decode, stamp, hand over.
 
 It keeps the port open as long as it runs. When the port cannot be opened or is lost it says so
-once, and tries again with growing pauses, until it is stopped.
+once, and tries again with growing pauses, until it is stopped. A fault of the driver itself, in
+whatever is made of the bytes, is logged and counted, and costs what it happened to and no more.
 """
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 import threading
 import time
 from typing import Any, Protocol
 
 from bahrs_driver.clock import Clock, Stamped
+from bahrs_driver.fault_log import FaultLog
 from bahrs_driver.link import Link, LinkError, Reading
 from bahrs_driver.protocol.framing import Frame, Framer
 
 FIRST_PAUSE = 0.1       # s, before the port is tried again
 LONGEST_PAUSE = 2.0     # s
 SAMPLE_SIZE = 256       # bytes kept to tell what a stream without frames may be
+READING = 'reading the port'
 
 
 Received = Stamped
@@ -68,17 +72,18 @@ class LinkCounters:
 
 
 class Receiver:
-    """Reads a link until stopped, and tells a listener of all that it makes of it."""
+    """Reads a link until stopped, and hands all that it makes of the bytes to a listener."""
 
     def __init__(self, link: Link, framer: Framer, codec: Codec, clock: Clock,
-                 listener: Listener) -> None:
-        """Take the parts; run() begins."""
+                 listener: Listener, faults: FaultLog) -> None:
+        """Work with these parts; run() begins. Unexpected exceptions go to faults."""
         self.counters = LinkCounters()
         self._link = link
         self._framer = framer
         self._codec = codec
         self._listener = listener
         self._clock = clock
+        self._faults = faults
         self._pause = FIRST_PAUSE
         self._absence_told = False
         self._stopping = threading.Event()
@@ -86,7 +91,7 @@ class Receiver:
     def stop(self) -> None:
         """Make run() return soon, the port closed. To be called from another thread."""
         self._stopping.set()
-        self._link.cancel_read()
+        self._survive('waking the reader', self._link.cancel_read)
 
     def run(self) -> None:
         """Keep the port open and read it, until stopped."""
@@ -95,13 +100,13 @@ class Receiver:
                 self._open()
                 self._read_on()
             except LinkError as error:
-                # A port that is held on to comes back under another name.
-                self._link.close()
-                self._fail(error)
-                self._stopping.wait(self._pause)
-                self._pause = min(2 * self._pause, LONGEST_PAUSE)
+                self._recover(error)
+            except Exception as error:
+                self._faults.report(READING, error)
+                self._recover(LinkError(f'{self._link.name} is opened again after a fault of the '
+                                        'driver'))
             finally:
-                self._link.close()
+                self._survive('closing the port', self._link.close)
 
     def _open(self) -> None:
         self._link.connect()
@@ -110,42 +115,75 @@ class Receiver:
         self.counters.times_opened += 1
         self.counters.error = ''
         self._absence_told = False
-        self._listener.link_opened()
+        self._survive('reporting that the port is open', self._listener.link_opened)
 
     def _read_on(self) -> None:
         while not self._stopping.is_set():
             reading = self._link.read()
             if reading is None:
-                self._listener.nothing_read()
-                continue
-            self._listener.bytes_read(reading)
-            self.counters.reads += 1
-            self.counters.bytes_received += len(reading.data)
-            self.counters.last_bytes = (self.counters.last_bytes + reading.data)[-SAMPLE_SIZE:]
-            self.counters.last_data = time.monotonic()
+                self._survive('noticing silence', self._listener.nothing_read)
+            else:
+                self._take(reading)
+
+    def _take(self, reading: Reading) -> None:
+        self._survive('handing out bytes', self._listener.bytes_read, reading)
+        self.counters.reads += 1
+        self.counters.bytes_received += len(reading.data)
+        self.counters.last_bytes = (self.counters.last_bytes + reading.data)[-SAMPLE_SIZE:]
+        self.counters.last_data = time.monotonic()
+        try:
             frames = self._framer.feed(reading.data)
             if frames:          # a port that opens and closes at once is not tried any faster
                 self._pause = FIRST_PAUSE
             self._clock.read(reading.now, self._framer.received)
             self._hand_over(self._stamped(frames))
+        except Exception as error:
+            # What waits in the clock may be what it failed on.
+            self._faults.report(READING, error)
+            self._clock.begin(self._link.byte_time_ns)
 
     def _stamped(self, frames: list[Frame]) -> list[Received]:
-        return self._clock.stamp([(self._codec.decode(frame), frame) for frame in frames])
+        return self._clock.stamp(list(self._decoded(frames)))
+
+    def _decoded(self, frames: list[Frame]) -> Iterator[tuple[Any, Frame]]:
+        for frame in frames:
+            try:
+                yield self._codec.decode(frame), frame
+            except Exception as error:
+                self._faults.report('decoding a frame', error)
 
     def _hand_over(self, batch: list[Received]) -> None:
         for sentence in self._clock.take_notices():
-            self._listener.time_changed(sentence)
+            self._survive('reporting a change of time', self._listener.time_changed, sentence)
         if batch:
-            self._listener.received(batch)
+            self._survive('handing out messages', self._listener.received, batch)
+
+    def _recover(self, error: LinkError) -> None:
+        """Close the port, report why, and wait before it is tried again."""
+        # First, for a port that is held open comes back under another name.
+        self._survive('closing the port', self._link.close)
+        if self.counters.open_since is not None:
+            self.counters.open_since = None
+            self._survive('ending a stream', self._end_stream)
+        self._fail(error)
+        self._stopping.wait(self._pause)
+        self._pause = min(2 * self._pause, LONGEST_PAUSE)
+
+    def _end_stream(self) -> None:
+        self._hand_over(self._stamped(self._framer.flush()) + self._clock.end())
 
     def _fail(self, error: LinkError) -> None:
-        was_open = self.counters.open_since is not None
-        self.counters.open_since = None
-        if was_open:
-            self._hand_over(self._stamped(self._framer.flush()) + self._clock.end())
         reason = str(error)
         told = reason == self.counters.error or (error.absent and self._absence_told)
         self._absence_told = error.absent
         self.counters.error = self.counters.last_error = reason
         if not told:
-            self._listener.link_failed(reason)
+            self._survive('reporting that the port is not open', self._listener.link_failed,
+                          reason)
+
+    def _survive(self, activity: str, function: Callable[..., None], *arguments: Any) -> None:
+        """Call a function; a fault in it must not end the stream."""
+        try:
+            function(*arguments)
+        except Exception as error:
+            self._faults.report(activity, error)

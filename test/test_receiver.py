@@ -7,11 +7,13 @@ import threading
 
 from bahrs_driver import receiver as receiver_module
 from bahrs_driver.clock import ArrivalStamps, Instant
+from bahrs_driver.fault_log import FaultLog
 from bahrs_driver.link import LinkError, Reading
 from bahrs_driver.protocol.bahrs import NavigationTime, SyncPulseTime
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.receiver import Receiver
+from hypothesis import given, strategies as st
 import pytest
 
 FRAMES = [BahrsCodec().encode(SyncPulseTime(i, 1000 * i), 3) for i in range(9)]
@@ -24,6 +26,7 @@ BUSY = LinkError('port is in use')
 class ScriptedLink:
     """A link whose openings and readings are given beforehand; it ends the receiver at the end."""
 
+    name = 'port'
     byte_time_ns = 1000
 
     def __init__(self, openings):
@@ -60,7 +63,8 @@ class ScriptedLink:
 
 def made(link, diary):
     """Return a receiver that stamps with arrival."""
-    return Receiver(link, Framer(BahrsFormat()), BahrsCodec(), ArrivalStamps(), diary)
+    return Receiver(link, Framer(BahrsFormat()), BahrsCodec(), ArrivalStamps(), diary,
+                    FaultLog(str, str))
 
 
 class Diary:
@@ -198,6 +202,79 @@ def test_counters(play):
     assert counters.reads == 2
     assert counters.open_since is None
     assert counters.last_data is not None
+
+
+class Failing:
+    """A part whose method fails at one of its first calls, and otherwise works."""
+
+    def __init__(self, part, method, turn, error):
+        """Fail with an error when the method is called for the turn-th time, from 0."""
+        self._part, self._method, self._turn, self._error = part, method, turn, error
+        self.failed = False
+
+    def __getattr__(self, name):
+        """Return what the part has."""
+        found = getattr(self._part, name)
+        if name != self._method:
+            return found
+
+        def method(*arguments):
+            self._turn -= 1
+            if self._turn == -1:
+                self.failed = True
+                raise self._error
+            return found(*arguments)
+        return method
+
+
+METHODS = {
+    'link': ('connect', 'read', 'cancel_read', 'close'),
+    'framer': ('feed', 'flush'),
+    'codec': ('decode',),
+    'clock': ('begin', 'read', 'stamp', 'end', 'take_notices'),
+    'listener': ('link_opened', 'link_failed', 'bytes_read', 'nothing_read', 'received',
+                 'time_changed')}
+FAULTS = (ValueError('bad'), KeyError(3), OSError(5, 'I/O'), RuntimeError(), TypeError('x'),
+          UnicodeDecodeError('utf-8', b'x', 0, 1, 'bad'), MemoryError(), RecursionError(),
+          AssertionError(), ZeroDivisionError(), StopIteration(), OverflowError('\x1b[2J'))
+
+
+@given(st.sampled_from([(part, method) for part, methods in METHODS.items()
+                        for method in methods]),
+       st.integers(0, 2), st.sampled_from(FAULTS))
+def test_no_fault_anywhere_ends_the_stream(where, turn, error):
+    """It costs what it happens to; the next frames, and the next opening, are as ever."""
+    part, method = where
+    link = ScriptedLink([FRAMES[:3] + [b''] * 3, FRAMES[3:6], FRAMES[6:8], FRAMES[8:]])
+    diary, log = Diary(), []
+    parts = {'link': link, 'framer': Framer(BahrsFormat()), 'codec': BahrsCodec(),
+             'clock': ArrivalStamps(), 'listener': diary}
+    parts[part] = failing = Failing(parts[part], method, turn, error)
+    faults = FaultLog(log.append, str)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(receiver_module, 'FIRST_PAUSE', 0.0)
+        patch.setattr(receiver_module, 'LONGEST_PAUSE', 0.0)
+        with running(Receiver(**parts, faults=faults)):
+            assert link.done.wait(60)
+    heard = [entry for entry in diary.entries if isinstance(entry, list)]
+    assert heard[-1] == [8]
+    assert sum(map(len, heard)) >= len(FRAMES) - 4
+    assert faults.count == len(log) == failing.failed
+
+
+def test_a_frame_that_cannot_be_decoded_costs_no_other(play, monkeypatch):
+    """Of the same read."""
+    decode = BahrsCodec.decode
+
+    def choosy(self, frame):
+        message = decode(self, frame)
+        if message.sequence == 1:
+            raise KeyError('unknown')
+        return message
+
+    monkeypatch.setattr(BahrsCodec, 'decode', choosy)
+    diary, _ = play([FRAMES[0] + FRAMES[1] + FRAMES[2]])
+    assert diary.entries[:2] == ['opened', [0, 2]]
 
 
 def test_pauses_grow_and_are_bounded(monkeypatch):

@@ -18,6 +18,7 @@ from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.files import binary_input
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.clock import ArrivalStamps
+from bahrs_driver.fault_log import FaultLog
 from bahrs_driver.link import Link, Reading
 from bahrs_driver.nvm_reader import NvmError, NvmReader
 from bahrs_driver.protocol.bahrs import Inertial
@@ -139,7 +140,7 @@ class Device:
         self.reader = NvmReader(link, lambda: frame_format.version_seen, options.enter_timeout,
                                 options.service_frames)
         self.receiver = Receiver(link, Framer(frame_format), BahrsCodec(), ArrivalStamps(),
-                                 self)
+                                 self, FaultLog(_complain, str))
         self._opened = threading.Event()
         self._streams = threading.Event()
 
@@ -175,6 +176,10 @@ class Device:
             if isinstance(message, Inertial):
                 self._streams.set()
             self.reader.receive(message, frame)
+
+
+def _complain(sentence: str) -> None:
+    print(f'bahrs nvm: {sentence}', file=sys.stderr)
 
 
 @contextlib.contextmanager

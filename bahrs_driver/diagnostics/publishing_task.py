@@ -4,7 +4,10 @@
 
 from collections.abc import Mapping
 
-from bahrs_driver.diagnostics.task import OK, STALE, Verdict
+from bahrs_driver.diagnostics.task import OK, STALE, Verdict, WARN
+from bahrs_driver.fault_log import FaultLog
+
+FAULT_LIFETIME = 10.0       # s that a fault is shown
 
 
 class PublishingTask:
@@ -12,14 +15,26 @@ class PublishingTask:
 
     name = 'Publishing'
 
-    def __init__(self, counts: Mapping[str, int], timeout: float) -> None:
-        """Show the counts, by topic; they are stale after timeout seconds without a change."""
+    def __init__(self, counts: Mapping[str, int], timeout: float,
+                 faults: FaultLog | None = None) -> None:
+        """
+        Show the counts, by topic; they are stale after timeout seconds without a change.
+
+        A fault of the driver is shown for a while.
+        """
         self._counts = counts
         self._timeout = timeout
-        self._latest = 0, 0.0           # messages in all, and when there were fewer
+        self._faults = faults or FaultLog(str, str)
+        self._latest = 0, 0.0           # messages in all, and when they were counted first
+        self._latest_fault = 0, -FAULT_LIFETIME
 
     def judge(self, now: float) -> Verdict:
         """Return whether messages go out; other tasks say why none do."""
+        faults = self._faults
+        if faults.count != self._latest_fault[0]:
+            self._latest_fault = faults.count, now
+        if now - self._latest_fault[1] < FAULT_LIFETIME:
+            return Verdict(WARN, f'Fault of the driver: {faults.last}')
         published = sum(self._counts.values())
         if published != self._latest[0]:
             self._latest = published, now
@@ -30,5 +45,7 @@ class PublishingTask:
         return Verdict(OK, 'Publishing')
 
     def values(self, now: float) -> Mapping[str, str]:
-        """Return the count of each topic."""
-        return {topic: str(count) for topic, count in self._counts.items()}
+        """Return the count of each topic, and of faults."""
+        return {**{topic: str(count) for topic, count in self._counts.items()},
+                'Faults of the driver': str(self._faults.count),
+                'Last fault': self._faults.last or 'none'}

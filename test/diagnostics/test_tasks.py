@@ -13,6 +13,7 @@ from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.signals_task import SignalsTask
 from bahrs_driver.diagnostics.task import ERROR, OK, STALE, WARN
 from bahrs_driver.diagnostics.window import Window
+from bahrs_driver.fault_log import FaultLog
 from bahrs_driver.protocol.bahrs import HardwareVersion, Navigation, SoftwareVersion
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec
 from bahrs_driver.protocol.framing import FramingCounters
@@ -180,7 +181,19 @@ def test_publishing_is_of_the_present():
     assert task.judge(0.5) == (OK, 'Publishing')
     assert task.judge(1.0).message == 'Publishing'
     assert task.judge(3.0) == (STALE, 'Nothing published just now')
-    assert task.values(3.0) == {'imu/data': '40'}
+    assert task.values(3.0)['imu/data'] == '40'
+
+
+def test_a_fault_of_the_driver_is_shown_for_a_while():
+    """And counted for ever."""
+    faults = FaultLog(str, str)
+    task = PublishingTask({'imu/data': 1}, 1.0, faults)
+    assert task.judge(0.0) == (OK, 'Publishing')
+    faults.report('publishing imu/data', ValueError('no'))
+    assert task.judge(0.5) == (
+        WARN, 'Fault of the driver: publishing imu/data failed: ValueError: no')
+    assert task.judge(12.0).level == STALE
+    assert task.values(12.0)['Faults of the driver'] == '1'
 
 
 def test_device_tells_what_it_is():

@@ -17,7 +17,7 @@ MAY_IMPORT = {
     'protocol': {'protocol'},
     'clock': {'clock', 'protocol'},
     'link': {'clock'},
-    'receiver': {'link', 'clock', 'protocol'},
+    'receiver': {'link', 'fault_log', 'clock', 'protocol'},
     'convert': {'convert', 'clock', 'protocol'},
     'emulator': {'emulator', 'clock', 'protocol'},
     'parameters': set(),
@@ -27,7 +27,7 @@ MAY_IMPORT = {
     'nvm_services': {'convert', 'nvm_reader', 'whole_file', 'protocol'},
     'sensors': {'clock', 'convert', 'diagnostics', 'nvm_reader', 'receiver', 'requester',
                 'sensors', 'link', 'protocol'},
-    'diagnostics': {'clock', 'diagnostics', 'receiver', 'link', 'protocol'},
+    'diagnostics': {'clock', 'diagnostics', 'fault_log', 'receiver', 'link', 'protocol'},
     'recording': {'recording', 'sensors', 'convert', 'diagnostics', 'receiver', 'clock',
                   'protocol', 'whole_file'},
     'report': {'report', 'recording', 'clock', 'protocol'},
@@ -44,8 +44,8 @@ MAY_IMPORT = {
     'sim_time': set(),
     'executor': set(),
     'cli': {'cli', 'doctor', 'monitor', 'report', 'convert', 'emulator', 'recording', 'sensors',
-            'parameters', 'nvm_reader', 'whole_file', 'shutdown_event', 'receiver', 'link',
-            'clock', 'protocol'},
+            'parameters', 'nvm_reader', 'whole_file', 'shutdown_event', 'fault_log', 'receiver',
+            'link', 'clock', 'protocol'},
     '__init__': set(),
 }
 EVERYWHERE = {'printable'}      # rooms that every room may import

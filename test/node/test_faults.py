@@ -1,0 +1,67 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Faults of the driver itself, in the real node: the data goes on."""
+
+import contextlib
+import sys
+
+from bahrs_driver.convert.bahrs import TOPICS
+from devices import Device, DIAGNOSTICS, says, status
+from diagnostic_msgs.msg import DiagnosticStatus
+from processes import listening, Process, wait_for
+import pytest
+
+# What goes wrong, as lines of Python that are run before the node: the name that it defines
+# fails at every seventh call, once all is under way.
+START = """
+import sys
+from bahrs_driver import driver_node
+{imports}
+original, calls = {name}, [0]
+def failing(*arguments):
+    calls[0] += 1
+    if calls[0] > 99 and calls[0] % 7 == 0:
+        raise {error}
+    return original(*arguments)
+{name} = failing
+sys.exit(driver_node.main())
+"""
+PLACES = {
+    'decoding': ('from bahrs_driver.protocol.bahrs_frames import BahrsCodec', 'BahrsCodec.decode',
+                 'KeyError(17)'),
+    'converting': ('from bahrs_driver.convert.bahrs import BahrsConverter',
+                   'BahrsConverter.convert', 'OverflowError("too large")'),
+    'stamping': ('from bahrs_driver.clock import SampleClock', 'SampleClock.stamp',
+                 'ZeroDivisionError()'),
+    'publishing': ('from rclpy.publisher import Publisher', 'Publisher.publish',
+                   'RuntimeError("\\x1b[2J no memory")'),
+    'watching': ('from bahrs_driver.diagnostics.bahrs_health import BahrsHealth',
+                 'BahrsHealth.observe', 'StopIteration()'),
+}
+
+
+@contextlib.contextmanager
+def failing_driver(port, place):
+    """Run a node in which one place fails at every seventh call, once all is under way."""
+    imports, name, error = PLACES[place]
+    code = START.format(imports=imports, name=name, error=error)
+    node = Process([sys.executable, '-c', code, '--ros-args', '-p', f'port:={port}'])
+    try:
+        yield node
+    finally:
+        node.end()
+
+
+@pytest.mark.parametrize('place', PLACES)
+def test_the_data_goes_on(cable, place):
+    """Without what failed; the log has a line for each kind, and the diagnostics count."""
+    with listening({**TOPICS, **DIAGNOSTICS}) as ear, failing_driver(cable.path, place) as node, \
+            Device(cable):
+        ear.wait('imu/data_raw', 100)
+        assert says(ear, 'Publishing', DiagnosticStatus.WARN, 'Fault of the driver: ')
+        assert wait_for(lambda: any(int(pair.value) > 10 for pair in
+                                    status(ear, 'Publishing').values
+                                    if pair.key == 'Faults of the driver'))
+        assert len(node.lines) < 20 and 'failed: ' in node.text
+        assert 'Traceback' not in node.text and '\x1b[2J' not in node.text
+        assert node.end() == 0
