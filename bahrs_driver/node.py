@@ -3,6 +3,7 @@
 """The node: it wires the parts together, and nothing else."""
 
 from collections.abc import Callable, Iterable, Mapping
+import sys
 from threading import Lock
 import time
 from typing import Any
@@ -20,10 +21,13 @@ from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.fault_log import FaultLog
 from bahrs_driver.link import Link, Reading
 from bahrs_driver.nvm_services import NvmServices
-from bahrs_driver.parameters import declare, ParameterError, unknown_names
+from bahrs_driver.parameter import ParameterError
 from bahrs_driver.receiver import Received, Receiver
 from bahrs_driver.recording.origin import Origin
 from bahrs_driver.sensors import ROS_CLOCK, SENSORS
+from bahrs_driver.settings.command_line import ParameterArguments
+from bahrs_driver.settings.node_settings import NodeSettings
+from bahrs_driver.settings.parameter_requests import ParameterRequests
 from bahrs_driver.sim_time import keep_host_time
 from diagnostic_msgs.msg import DiagnosticArray
 from diagnostic_msgs.srv import SelfTest
@@ -31,8 +35,8 @@ from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import NameValidationException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.time import Time
 from sensor_msgs.msg import TimeReference
 from std_msgs.msg import UInt8MultiArray
@@ -47,15 +51,17 @@ class DriverNode(Node):
 
     def __init__(self) -> None:
         """Read the parameters and make the parts; ParameterError if one is bad."""
-        super().__init__('bahrs_driver', automatically_declare_parameters_from_overrides=True)
+        arguments = ParameterArguments.from_words(sys.argv)
+        super().__init__('bahrs_driver', cli_args=arguments.node_arguments(),
+                         start_parameter_services=False)
         self._log = self.get_logger()  # type: ignore[no-untyped-call]
         self.faults = FaultLog(self._log.error, self._log.debug)
-        settings = declare(self)
+        given = NodeSettings(self, arguments)
+        settings = given.values
+        self._parameter_requests = ParameterRequests(self, settings)
         keep_host_time(self)
         self._link = _link(settings)
         self._sensor = sensor = SENSORS[settings['sensor']](settings, self._link)
-        for sentence in (*unknown_names(self), *sensor.warnings):
-            self._log.warning(sentence)
         self.receiver = Receiver(self._link, sensor.framer, sensor.codec, sensor.clock, self,
                                  self.faults)
         self._time_task = TimeTask(sensor.clock, sensor.health.stale)
@@ -78,6 +84,8 @@ class DriverNode(Node):
         self.create_service(SelfTest, '~/self_test', self._self_test)
         if sensor.nvm:
             self._nvm_services = NvmServices(self, sensor.nvm)
+        for sentence in (*given.warnings(), *sensor.warnings):
+            self._log.warning(sentence)
 
     @property
     def threads(self) -> Mapping[str, Callable[[], None]]:
@@ -172,7 +180,11 @@ class DriverNode(Node):
         if reference == ROS_CLOCK:
             return
         try:
-            self.create_subscription(TimeReference, reference, self._pulse_told, QUEUE_DEPTH)
+            # A reliable subscription would get nothing from a best-effort publisher.
+            self.create_subscription(
+                TimeReference, reference, self._pulse_told,
+                QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT),
+                qos_overriding_options=QoSOverridingOptions.with_default_policies())
         except NameValidationException as error:
             raise ParameterError(
                 f"parameter time.sync_pulse.reference is {reference!r}: it must be '{ROS_CLOCK}' "
@@ -223,12 +235,9 @@ class DriverNode(Node):
         profile = QoSProfile(depth=QUEUE_DEPTH)
         if latched:
             profile.durability = DurabilityPolicy.TRANSIENT_LOCAL
-        try:
-            return self.create_publisher(
-                message_type, topic, profile,
-                qos_overriding_options=QoSOverridingOptions.with_default_policies())
-        except (InvalidQosOverridesError, RuntimeError, TypeError) as error:
-            raise ParameterError(f'qos_overrides of {topic} cannot be used: {error}') from error
+        return self.create_publisher(
+            message_type, topic, profile,
+            qos_overriding_options=QoSOverridingOptions.with_default_policies())
 
 
 def _link(settings: Mapping[str, Any]) -> Link:

@@ -9,10 +9,10 @@ import sys
 from bahrs_driver.executor import DrainingExecutor
 from bahrs_driver.exit_timer import exit_after
 from bahrs_driver.node import DriverNode
-from bahrs_driver.parameters import ParameterError
+from bahrs_driver.parameter import ParameterError
+from bahrs_driver.settings.start_errors import explain
 from bahrs_driver.shutdown_event import EXIT_TIME, ShutdownEvent
 import rclpy
-from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
@@ -25,25 +25,29 @@ def run(shutdown: ShutdownEvent) -> int:
     if shutdown.is_set():       # while this module was imported
         return 0
     try:
-        _check_words(remove_ros_args(sys.argv)[1:])
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-        _run_node(shutdown)
-    except (ParameterError, RCLError, RCLInvalidROSArgsError) as error:
-        # What rcl says ends in places of its source.
-        print('bahrs_driver:', str(error).split(', at /')[0], file=sys.stderr)
-        return 1
+        try:
+            node = _start()
+        except Exception as error:
+            print('bahrs_driver:', explain(error, sys.argv), file=sys.stderr)
+            return 1
+        _run_node(node, shutdown)
     finally:
         rclpy.try_shutdown()
     return 0
 
 
-def _run_node(shutdown: ShutdownEvent) -> None:
+def _start() -> DriverNode:
+    _check_words(remove_ros_args(sys.argv)[1:])
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    return DriverNode()
+
+
+def _run_node(node: DriverNode, shutdown: ShutdownEvent) -> None:
     """
     Run the node's threads and the executor until the shutdown event is set.
 
     The port is closed and spinning has ended before anything of ROS is destroyed.
     """
-    node = DriverNode()
     executor = DrainingExecutor(
         SERVICE_THREADS, lambda error: node.faults.report('a request or timer', error))
     executor.add_node(node)

@@ -3,98 +3,29 @@
 """
 Every parameter of the node, in one table.
 
-The table is what the node declares, what `ros2 param describe` tells, and what the README shows.
-Parameters are read once, at the start, but for those that a service looks at when it is called.
+The table is what the node declares, what `ros2 param describe` shows, and what the README lists.
+Parameters are read once, when the driver starts, except for those that a service reads when it is
+called.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from difflib import get_close_matches
-import math
 from typing import Any
 
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
-from rclpy.node import Node
+from bahrs_driver.parameter import Parameter
 
-Value = str | int | float | bool
-
-_TYPE_NAMES = {bool: 'true or false', int: 'a whole number', float: 'a decimal number',
-               str: 'a text'}
-
-
-class ParameterError(Exception):
-    """A parameter cannot be used. The text names it, its value, and what would be valid."""
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """One row of the table. The default also gives the type."""
-
-    name: str
-    default: Value
-    description: str
-    unit: str = ''
-    low: float | None = None
-    high: float | None = None
-    choices: tuple[str, ...] = ()
-    read_only: bool = True          # or looked at whenever it is needed
-
-    @property
-    def valid(self) -> str:
-        """Values that are valid, in words."""
-        unit = self.unit and ' ' + self.unit
-        if self.choices:
-            return ' or '.join(repr(choice) for choice in self.choices)
-        if self.low is not None:
-            return f'{_TYPE_NAMES[type(self.default)]} from {self.low} to {self.high}{unit}'
-        if self.default and isinstance(self.default, str):
-            return f'a text such as {self.default!r}'
-        return _TYPE_NAMES[type(self.default)]
-
-    def check(self, value: Any) -> None:
-        """Raise ParameterError unless the value is valid."""
-        good = type(value) is type(self.default)
-        if good and self.choices:
-            good = value in self.choices
-        elif good and self.low is not None and self.high is not None:
-            good = math.isfinite(value) and self.low <= value <= self.high
-        elif good and isinstance(self.default, str):
-            good = bool(value)
-        if not good:
-            raise ParameterError(f'parameter {self.name} is {value!r}: it must be {self.valid}')
-
-    def convert(self, value: Any) -> Any:
-        """Return a value as the node takes it; ParameterError if it is not valid."""
-        if isinstance(self.default, float) and type(value) is int:
-            value = float(value)
-        self.check(value)
-        return value
-
-    def descriptor(self) -> ParameterDescriptor:
-        """Return what rclpy wants to know of the parameter."""
-        unit = f' [{self.unit}]' if self.unit else ''
-        descriptor = ParameterDescriptor(
-            name=self.name, description=self.description + unit, read_only=self.read_only,
-            additional_constraints=f'must be {self.valid}' if self.choices else '')
-        if isinstance(self.default, float) and self.low is not None and self.high is not None:
-            descriptor.floating_point_range = [
-                FloatingPointRange(from_value=float(self.low), to_value=float(self.high))]
-        elif isinstance(self.default, int) and self.low is not None and self.high is not None:
-            descriptor.integer_range = [
-                IntegerRange(from_value=int(self.low), to_value=int(self.high), step=1)]
-        return descriptor
-
+BAHRS, TITAN_M = 'bahrs', 'titan_m'
 
 PARAMETERS = (
     Parameter('sensor', 'bahrs', 'Which device is on the port.',
-              choices=('bahrs', 'titan_m')),
+              choices=(BAHRS, TITAN_M)),
     Parameter('port', '/dev/ttyUSB0',
               'Serial port: a path, or a pyserial URL such as socket://host:4001.'),
     Parameter('baud_rate', 115200, 'Speed of the serial line. Always 8N1.', 'baud',
               low=1200, high=4000000),
-    Parameter('frame_id', 'imu_link', 'Frame of the sensor, in which body vectors are given.'),
+    Parameter('frame_id', 'imu_link', 'Frame of the sensor, in which body vectors are given.',
+              is_frame=True),
     Parameter('world_frame_id', 'map',
-              'Frame of altitude/pose, velocity and odometry, level with its z axis vertical.'),
+              'Frame of altitude/pose, velocity and odometry, level with its z axis vertical.',
+              is_frame=True),
     Parameter('frame_convention', 'enu',
               'Axes of what is published: enu for body forward, left, up and world east, north, '
               'up (REP-103); ned for body forward, right, down and world north, east, down.',
@@ -107,32 +38,33 @@ PARAMETERS = (
               'Standard deviation of each component of the angular rate. The default is what a '
               'device at rest shows.', 'rad/s', low=0.0, high=10.0),
     Parameter('stddev.pressure_height', 1.0, 'Standard deviation of the pressure height.', 'm',
-              low=0.0, high=1000.0),
+              low=0.0, high=1000.0, sensor=BAHRS),
     Parameter('stddev.velocity', 0.2,
               'Standard deviation of the velocity: of a bahrs the vertical one, of a titan_m each '
               'component.', 'm/s', low=0.0, high=100.0),
     Parameter('stddev.attitude', 0.02,
               'Standard deviation of roll and pitch of a titan_m. Nobody has measured it; 0 is '
-              'unknown.', 'rad', low=0.0, high=4.0),
+              'unknown.', 'rad', low=0.0, high=4.0, sensor=TITAN_M),
     Parameter('stddev.heading', 0.05,
               'Standard deviation of the heading of a titan_m. Nobody has measured it; 0 is '
-              'unknown.', 'rad', low=0.0, high=4.0),
+              'unknown.', 'rad', low=0.0, high=4.0, sensor=TITAN_M),
     Parameter('stddev.position', 2.5,
               'Standard deviation of each horizontal component of a position by GPS.', 'm',
-              low=0.0, high=1000.0),
+              low=0.0, high=1000.0, sensor=TITAN_M),
     Parameter('stddev.altitude', 5.0, 'Standard deviation of an altitude by GPS.', 'm',
-              low=0.0, high=1000.0),
+              low=0.0, high=1000.0, sensor=TITAN_M),
     Parameter('stddev.magnetic_field', 0.0,
               'Standard deviation of each component of a measured magnetic field; 0 is unknown.',
-              'T', low=0.0, high=1e-3),
+              'T', low=0.0, high=1e-3, sensor=TITAN_M),
     Parameter('stddev.static_pressure', 0.0,
               'Standard deviation of a measured static pressure; 0 is unknown.', 'Pa',
-              low=0.0, high=1e5),
+              low=0.0, high=1e5, sensor=TITAN_M),
     Parameter('stddev.differential_pressure', 0.0,
               'Standard deviation of the differential pressure; 0 is unknown.', 'Pa',
-              low=0.0, high=1e5),
+              low=0.0, high=1e5, sensor=TITAN_M),
     Parameter('stddev.temperature', 0.0,
-              'Standard deviation of the temperature; 0 is unknown.', 'K', low=0.0, high=100.0),
+              'Standard deviation of the temperature; 0 is unknown.', 'K', low=0.0, high=100.0,
+              sensor=TITAN_M),
     Parameter('magnetic_field.declination', 0.0,
               'Magnetic declination, positive east. It is added to the magnetic heading to give '
               'the yaw of imu/data and odometry; the topic heading stays as the device has it.',
@@ -140,57 +72,60 @@ PARAMETERS = (
               low=-180.0, high=180.0),
     Parameter('magnetic_field.strength', 50e-6,
               'Strength of the magnetic field that imu/mag is derived with.', 'T',
-              low=0.0, high=1e-3),
+              low=0.0, high=1e-3, sensor=BAHRS, needs={'publish.derived_magnetic_field': (True,)}),
     Parameter('magnetic_field.dip', 0.0,
               'Dip of the magnetic field that imu/mag is derived with, positive downward; 0 gives '
-              'a horizontal field.', 'degree', low=-90.0, high=90.0),
+              'a horizontal field.', 'degree', low=-90.0, high=90.0,
+              sensor=BAHRS, needs={'publish.derived_magnetic_field': (True,)}),
     Parameter('publish.derived_magnetic_field', True,
-              'Whether to publish imu/mag for a device that reports a heading but no field.'),
+              'Whether to publish imu/mag for a device that reports a heading but no field.',
+              sensor=BAHRS),
     Parameter('publish.raw', False,
               'Whether to publish raw, the bytes of each read as they came. A bag that holds it '
               'holds everything, and can be converted anew.'),
     Parameter('state.rate', 50.0,
               'How often to ask a titan_m for its state: attitude, velocity, position; 0 is '
-              'never.', 'Hz', low=0.0, high=1000.0),
+              'never.', 'Hz', low=0.01, high=1000.0, or_zero=True, sensor=TITAN_M),
     Parameter('sensors.rate', 50.0,
               'How often to ask a titan_m for what its sensors measure; 0 is never.', 'Hz',
-              low=0.0, high=1000.0),
+              low=0.01, high=1000.0, or_zero=True, sensor=TITAN_M),
     Parameter('gps.rate', 10.0, 'How often to ask a titan_m for its GPS position; 0 is never.',
-              'Hz', low=0.0, high=1000.0),
+              'Hz', low=0.01, high=1000.0, or_zero=True, sensor=TITAN_M),
     Parameter('gps.week', 0,
               'GPS week since 1980 in which the driver is started: time_reference is then UTC. 0 '
-              'is unknown: it is the time of week.', low=0, high=3000),
-    Parameter('gps.leap_seconds', 18, 'GPS time less UTC, for gps.week.', 's', low=0, high=100),
+              'is unknown: it is the time of week.', low=0, high=3000, sensor=TITAN_M),
+    Parameter('gps.leap_seconds', 18, 'GPS time less UTC, for gps.week.', 's', low=0, high=100,
+              sensor=TITAN_M),
     Parameter('gps.geoid_height', 0.0,
               'Added to the altitude of fix: height of the geoid above the ellipsoid, if the '
               'device gives altitudes above mean sea level, which its document does not say.', 'm',
-              low=-200.0, high=200.0),
+              low=-200.0, high=200.0, sensor=TITAN_M),
     Parameter('request.pipelined', False,
               'Whether one request of each kind may be under way at once, rather than one at all: '
-              'for adapters that hold bytes back, if the device can take it.'),
+              'for adapters that hold bytes back, if the device can take it.', sensor=TITAN_M),
     Parameter('request.timeout', 0.2,
               'How long to wait for an answer at most. Less, once it is known how long answers '
-              'take.', 's', low=0.01, high=5.0),
+              'take.', 's', low=0.01, high=5.0, sensor=TITAN_M),
     Parameter('request.retries', 1, 'How often to repeat a request that is not answered.',
-              low=0, high=10),
+              low=0, high=10, sensor=TITAN_M),
     Parameter('request.message_id', 'zero',
               'Message id of requests: zero, byte for byte as in the protocol document, or '
               'counted, which lets late answers be told if the device sends ids back.',
-              choices=('zero', 'counted')),
+              choices=('zero', 'counted'), sensor=TITAN_M),
     Parameter('payload_order', 'auto',
               'Byte order of what a titan_m answers: auto tells by what its values can be, and '
-              'holds answers until it knows.', choices=('auto', 'little', 'big')),
+              'holds answers until it knows.', choices=('auto', 'little', 'big'), sensor=TITAN_M),
     Parameter('checksum_order', 'auto',
               'Byte order of the checksums of a titan_m: auto takes either in answers, and in '
               'requests tries big, as printed in the protocol document, then little.',
-              choices=('auto', 'little', 'big')),
+              choices=('auto', 'little', 'big'), sensor=TITAN_M),
     Parameter('integrity.risk_policy', 'inflate',
               'What becomes of a signal at integrity risk: inflate publishes it with a larger '
               'variance, withhold treats it as unavailable, pass publishes it as it is.',
-              choices=('inflate', 'withhold', 'pass')),
+              choices=('inflate', 'withhold', 'pass'), sensor=BAHRS),
     Parameter('integrity.risk_inflation', 100.0,
               'Factor on the variance of a signal at integrity risk, for the policy inflate.',
-              low=1.0, high=1e6),
+              low=1.0, high=1e6, sensor=BAHRS, needs={'integrity.risk_policy': ('inflate',)}),
     Parameter('diagnostics.silence_timeout', 1.0,
               'Time without a byte, or without a data message, from which on the device is '
               'reported as silent.', 's', low=0.1, high=60.0),
@@ -212,75 +147,40 @@ PARAMETERS = (
     Parameter('time.label', 'auto',
               'Which sample a time message names: next is the one after the sample that it is '
               'about, as devices do, same is that sample, as the protocol document says.',
-              choices=('auto', 'next', 'same')),
+              choices=('auto', 'next', 'same'),
+              sensor=BAHRS, needs={'time.source': ('device', 'sync_pulse')}),
     Parameter('time.fixed_latency', 0.0,
               'Subtracted from every stamp: the least delay from a sample to its first byte, '
               'which cannot be observed without sync pulses.', 's', low=0.0, high=1.0),
     Parameter('time.sync_pulse.period', 1.0, 'Time from one sync pulse to the next.', 's',
-              low=0.1, high=60.0),
+              low=0.1, high=60.0, sensor=BAHRS, needs={'time.source': ('sync_pulse',)}),
     Parameter('time.sync_pulse.reference', 'ros_clock',
               'Where the time of a sync pulse is known from: ros_clock takes the nearest whole '
               'period of ROS time, for a host that is disciplined by the same receiver; anything '
-              'else is the name of a sensor_msgs/TimeReference topic whose header has it.'),
+              'else is the name of a sensor_msgs/TimeReference topic whose header has it.',
+              sensor=BAHRS, needs={'time.source': ('sync_pulse',)}),
     Parameter('pressure_height.format', 'uint16',
               'How the pressure height stands on the wire. Devices send uint16; int16 is what '
-              'the protocol document says.', choices=('uint16', 'int16')),
+              'the protocol document says.', choices=('uint16', 'int16'), sensor=BAHRS),
     Parameter('crc_order', 'auto',
               'Order in which the CRC of a frame takes its bytes: 32-bit words, as devices do, '
               'or single bytes, as the protocol document says.',
-              choices=('auto', 'word', 'byte')),
+              choices=('auto', 'word', 'byte'), sensor=BAHRS),
     Parameter('nvm.page', 0, 'Page that the service ~/nvm/read_page reads.', low=0, high=249,
-              read_only=False),
+              read_only=False, sensor=BAHRS),
     Parameter('nvm.dump_path', '~/bahrs_nvm.bin', 'File that the service ~/nvm/dump writes.',
-              read_only=False),
+              read_only=False, sensor=BAHRS),
     Parameter('nvm.enter_timeout', 30.0,
               'How long to ask the device to enter diagnostics mode. Many do so only within 0.5 s '
               'of power-on: call the service, then switch the device off and on.', 's',
-              low=1.0, high=600.0),
+              low=1.0, high=600.0, sensor=BAHRS),
     Parameter('nvm.service_frames', 'auto',
               'Checksum and padding of what is sent to the device: auto tries all, those of the '
               "maker's tool (crc32) first, then those of the document (mpeg2_padded).",
-              choices=('auto', 'crc32', 'mpeg2', 'crc32_padded', 'mpeg2_padded')),
+              choices=('auto', 'crc32', 'mpeg2', 'crc32_padded', 'mpeg2_padded'), sensor=BAHRS),
 )
 
 
 def defaults() -> dict[str, Any]:
     """Return the default of every parameter."""
     return {parameter.name: parameter.default for parameter in PARAMETERS}
-
-
-def declare(node: Node) -> Mapping[str, Any]:
-    """
-    Declare all parameters on a node and return their values; ParameterError if one is bad.
-
-    The node must have been made with automatically_declare_parameters_from_overrides, so that
-    what the user gave can be looked at before rclpy judges it in its own words.
-    """
-    return {parameter.name: _declare_one(node, parameter) for parameter in PARAMETERS}
-
-
-def unknown_names(node: Node) -> list[str]:
-    """Return a sentence for each parameter that the user gave and that does not exist."""
-    known = [parameter.name for parameter in PARAMETERS]
-    sentences = []
-    for name in sorted(node.get_parameters_by_prefix('')):
-        if name not in known and not _belongs_to_ros(name):
-            near = get_close_matches(name, known, n=1)
-            hint = f', did you mean {near[0]}?' if near else ''
-            sentences.append(f'parameter {name} does not exist and has no effect{hint}')
-    return sentences
-
-
-def _declare_one(node: Node, parameter: Parameter) -> Any:
-    value: Any = parameter.default
-    if node.has_parameter(parameter.name):
-        value = node.get_parameter(parameter.name).value
-        node.undeclare_parameter(parameter.name)
-    value = parameter.convert(value)
-    node.declare_parameter(parameter.name, value, parameter.descriptor(), ignore_override=True)
-    return value
-
-
-def _belongs_to_ros(name: str) -> bool:
-    return name.startswith('qos_overrides.') or name in (
-        'use_sim_time', 'start_type_description_service')

@@ -4,7 +4,8 @@
 
 from pathlib import Path
 
-from bahrs_driver.parameters import Parameter, ParameterError, PARAMETERS
+from bahrs_driver.parameter import Parameter, ParameterError
+from bahrs_driver.parameters import PARAMETERS
 import pytest
 import yaml
 
@@ -16,7 +17,7 @@ BY_NAME = {parameter.name: parameter for parameter in PARAMETERS}
 def test_every_row_is_complete(parameter):
     """A description that is a sentence, a valid default, a descriptor that holds the limits."""
     assert parameter.description.endswith('.')
-    parameter.check(parameter.default)
+    parameter.convert(parameter.default)
     descriptor = parameter.descriptor()
     assert parameter.description in descriptor.description
     assert descriptor.read_only == (parameter.name not in ('nvm.page', 'nvm.dump_path'))
@@ -37,8 +38,14 @@ def test_names_are_unique():
     ('baud_rate', '115200', "parameter baud_rate is '115200': it must be a whole number from "
                             '1200 to 4000000 baud'),
     ('frame_convention', 'ENU', "parameter frame_convention is 'ENU': it must be 'enu' or 'ned'"),
-    ('frame_id', '', "parameter frame_id is '': it must be a text such as 'imu_link'"),
-    ('port', None, "parameter port is None: it must be a text such as '/dev/ttyUSB0'"),
+    ('frame_id', '', "parameter frame_id is '': it must be the name of a frame without blanks, "
+                     "such as 'imu_link'"),
+    ('world_frame_id', '//', "parameter world_frame_id is '//': it must be the name of a frame "
+                             "without blanks, such as 'map'"),
+    ('port', ' ', "parameter port is ' ': it must be a text such as '/dev/ttyUSB0'"),
+    ('stddev.velocity', 10 ** 400, 'parameter stddev.velocity is ' + '1' + '0' * 78 + '…: it must '
+                                   'be a decimal number from 0.0 to 100.0 m/s'),
+    ('port', None, "parameter port is []: it must be a text such as '/dev/ttyUSB0'"),
     ('stddev.velocity', float('nan'), 'parameter stddev.velocity is nan: it must be a decimal '
                                       'number from 0.0 to 100.0 m/s'),
     ('publish.derived_magnetic_field', 1, 'parameter publish.derived_magnetic_field is 1: it '
@@ -47,14 +54,14 @@ def test_names_are_unique():
 def test_a_bad_value_gives_one_sentence(name, value, sentence):
     """It names the parameter, what it is, and what would be valid."""
     with pytest.raises(ParameterError) as caught:
-        BY_NAME[name].check(value)
+        BY_NAME[name].convert(value)
     assert str(caught.value) == sentence
 
 
 def test_true_is_not_a_number():
     """Though Python takes it for one."""
     with pytest.raises(ParameterError):
-        Parameter('n', 3, 'A number.', low=0, high=9).check(True)
+        Parameter('n', 3, 'A number.', low=0, high=9).convert(True)
 
 
 def flat(tree, prefix=''):
@@ -73,4 +80,4 @@ def test_parameter_files_fit_the_table(path):
     content = yaml.safe_load(path.read_text())
     for node in content.values():
         for name, value in flat(node['ros__parameters']):
-            BY_NAME[name].check(value)
+            BY_NAME[name].convert(value)

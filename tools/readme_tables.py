@@ -8,7 +8,8 @@ import sys
 
 from bahrs_driver.convert.bahrs import TOPICS as BAHRS_TOPICS
 from bahrs_driver.convert.titan_m import TOPICS as TITAN_TOPICS
-from bahrs_driver.parameters import Parameter, PARAMETERS
+from bahrs_driver.parameter import Parameter
+from bahrs_driver.parameters import PARAMETERS
 
 README = Path(__file__).resolve().parents[1] / 'README.md'
 
@@ -45,7 +46,7 @@ def _valid(parameter: Parameter) -> str:
     if parameter.choices:
         return ', '.join(f'`{choice}`' for choice in parameter.choices)
     if parameter.low is not None:
-        return f'{parameter.low} to {parameter.high}'
+        return f'{"0, " if parameter.or_zero else ""}{parameter.low} to {parameter.high}'
     return 'true or false' if isinstance(parameter.default, bool) else 'any text'
 
 

@@ -16,7 +16,8 @@ from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.cli.ros import checked_namespace
 from bahrs_driver.link import Link
-from bahrs_driver.parameters import defaults, ParameterError, PARAMETERS
+from bahrs_driver.parameter import ParameterError
+from bahrs_driver.parameters import defaults, PARAMETERS
 from bahrs_driver.recording.capture import Capture, read_capture
 from bahrs_driver.recording.conversion import Conversion, Outcome
 from bahrs_driver.recording.errors import CaptureError

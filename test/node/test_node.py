@@ -108,14 +108,15 @@ def test_signals_are_heeded_before_anything_large_is_imported():
 @pytest.mark.parametrize('words, sentence', [
     (['-p', 'baud_rate:=fast'], "parameter baud_rate is 'fast': it must be a whole number"),
     (['-p', 'frame_convention:=nwu'], "parameter frame_convention is 'nwu': it must be 'enu'"),
-    (['-p', 'stddev.velocity:=-1'], 'parameter stddev.velocity is -1.0: it must be a decimal'),
+    (['-p', 'stddev.velocity:=-1'], 'parameter stddev.velocity is -1: it must be a decimal'),
     (['-p', 'time.sync_pulse.reference:=not a topic'],
      "parameter time.sync_pulse.reference is 'not a topic': it must be 'ros_clock' or the name"),
     (['-p', 'port:=foo://bar'], "parameter port is 'foo://bar': invalid URL, protocol 'foo'"),
-    (['-p', 'port'], "Couldn't parse parameter override rule: '-p port'"),
-    (['--params-file', 'nowhere.yaml'], 'Error opening YAML file'),
+    (['-p', 'port'], '-p port cannot be used: '),
+    (['-p', 'port:=[]'], "parameter port is []: it must be a text such as '/dev/ttyUSB0'"),
+    (['--params-file', 'nowhere.yaml'], 'parameter file nowhere.yaml cannot be read: No such'),
     (['-p', 'qos_overrides./imu/data.publisher.reliability:=best'],
-     'qos_overrides of imu/data cannot be used'),
+     "parameter qos_overrides./imu/data.publisher.reliability is 'best': it must be 'reliable'"),
 ])
 def test_a_bad_parameter_ends_the_start_with_one_sentence(words, sentence):
     """The exit status is not 0, and there is no traceback."""

@@ -9,6 +9,7 @@ import time
 from devices import DIAGNOSTICS, status
 from processes import driver, listening, running, wait_for
 import pytest
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import TimeReference
 
 SECOND = 10 ** 9
@@ -18,10 +19,11 @@ TOLD_EARLY = 4_000_000      # ns, so that it can be seen whose word was taken
 class Teller(threading.Thread):
     """Says after each whole second that a pulse came at it, less TOLD_EARLY."""
 
-    def __init__(self, node):
+    def __init__(self, node, reliability):
         """Publish from a node."""
         super().__init__(daemon=True)
-        self._publisher = node.create_publisher(TimeReference, 'pulses', 10)
+        self._publisher = node.create_publisher(
+            TimeReference, 'pulses', QoSProfile(depth=10, reliability=reliability))
         self._ended = threading.Event()
 
     def run(self):
@@ -55,14 +57,27 @@ def delay_by_pulses(ear):
     return float(told) if follows else math.nan
 
 
-@pytest.mark.parametrize('told', [False, True])
-def test_stamps_follow_pulses(tmp_path, told):
-    """At whole seconds of the host's clock, or when somebody says that they came."""
+@pytest.mark.parametrize('told, reliability', [
+    (False, ReliabilityPolicy.RELIABLE), (True, ReliabilityPolicy.RELIABLE),
+    (True, ReliabilityPolicy.BEST_EFFORT)])
+def test_stamps_follow_pulses(tmp_path, told, reliability):
+    """At whole seconds of the host's clock, or when a publisher of either kind says so."""
     link = str(tmp_path / 'port')
     words = {'time__sync_pulse__reference': 'pulses'} if told else {}
     with listening(DIAGNOSTICS) as ear, running(
             'bahrs', 'emulate', '--link', link, '--sync-pulse-rate', '1') as emulator:
         assert wait_for(lambda: emulator.lines)
-        with Teller(ear.node), driver(link, time__source='sync_pulse', **words):
+        with Teller(ear.node, reliability), driver(link, time__source='sync_pulse', **words):
             early = TOLD_EARLY / 1000 if told else 0
             assert wait_for(lambda: -1000 < delay_by_pulses(ear) - early < 3000)
+
+
+def test_the_subscription_can_be_overridden(tmp_path):
+    """As that of any publisher."""
+    words = {'time__sync_pulse__reference': 'pulses', 'time__source': 'sync_pulse',
+             'qos_overrides./pulses.subscription.reliability': 'reliable'}
+    with listening(DIAGNOSTICS) as ear, driver(str(tmp_path / 'port'), **words) as node:
+        assert wait_for(lambda: ear.node.count_subscribers('pulses'))
+        info = ear.node.get_subscriptions_info_by_topic('pulses')[0]
+        assert info.qos_profile.reliability == ReliabilityPolicy.RELIABLE
+        assert 'without effect' not in node.text

@@ -146,7 +146,7 @@ def test_without_rates_it_listens(cable):
 
 
 @pytest.mark.parametrize('words, sentence', [
-    (['-p', 'state.rate:=1500.0'], 'parameter state.rate is 1500.0: it must be a decimal number'),
+    (['-p', 'state.rate:=1500.0'], 'parameter state.rate is 1500.0: it must be 0 or a decimal'),
     (['-p', 'payload_order:=middle'], "parameter payload_order is 'middle': it must be 'auto' or"),
     (['-p', 'request.retries:=-1'], 'parameter request.retries is -1: it must be a whole number'),
 ])

@@ -1,0 +1,80 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Files of parameters: why rcl refuses one, and whether one has anything for the node.
+
+rcl reads the values. What is read here only explains, so a file that cannot be read twice, such as
+a pipe, is left to rcl.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+import re
+from typing import Any
+
+from bahrs_driver.printable import printable
+import yaml
+
+LARGEST = 10_000_000        # bytes; what is larger is no parameter file
+VALUES_KEY = 'ros__parameters'
+
+
+def problem(file: str) -> str | None:
+    """Return why a file cannot be used, in a sentence, if that can be found out."""
+    name = printable(file)
+    try:
+        _load(file)
+    except OSError as error:
+        return (f'parameter file {name} cannot be read: {error.strerror}: check the path after '
+                '--params-file')
+    except yaml.MarkedYAMLError as error:
+        line = error.problem_mark.line + 1 if error.problem_mark else 1
+        return (f'parameter file {name} is not valid YAML: correct line {line}: '
+                f'{printable(error.problem)}')
+    except (ValueError, RecursionError, yaml.YAMLError):
+        return f'parameter file {name} is not a YAML file: check the path after --params-file'
+    return None
+
+
+def other_nodes(file: str, node: str) -> list[str] | None:
+    """Return the names in a file if none is that of a node (fully qualified), None if one is."""
+    try:
+        documents = _load(file)
+    except (OSError, ValueError, RecursionError, yaml.YAMLError):
+        return None
+    if documents is None:
+        return None
+    names = [name for document in documents for name in _node_names(document)]
+    return None if any(_matches(name, node) for name in names) else list(dict.fromkeys(names))
+
+
+def _load(file: str) -> list[Any] | None:
+    """Return the documents in a file, with all values as text; None if it is a pipe."""
+    path = Path(file)
+    if path.exists() and not path.is_file() and not path.is_dir():
+        return None
+    with path.open('rb') as stream:
+        data = stream.read(LARGEST + 1)
+    if len(data) > LARGEST:
+        raise ValueError('too large')
+    return list(yaml.load_all(data.decode(), Loader=yaml.BaseLoader))
+
+
+def _node_names(tree: Any, prefix: str = '') -> Iterator[str]:
+    """Yield the names of nodes that have parameters in a document, as rcl joins them."""
+    if not isinstance(tree, dict):
+        return
+    for key, value in tree.items():
+        if str(key).startswith(VALUES_KEY):
+            yield prefix
+        else:
+            yield from _node_names(value, f'{prefix}/{key}' if prefix else str(key))
+
+
+def _matches(pattern: str, node: str) -> bool:
+    """Return whether a name in a file, perhaps with * or **, is that of a node, as rclpy does."""
+    absolute = pattern if pattern.startswith('/') else f'/{pattern}'
+    try:
+        return re.fullmatch(absolute.replace('/*', r'(/\w+)'), node, re.ASCII) is not None
+    except re.error:
+        return False

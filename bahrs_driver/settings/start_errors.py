@@ -1,0 +1,60 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""One sentence for whatever keeps the node from starting."""
+
+from collections.abc import Sequence
+import re
+
+from bahrs_driver.parameter import ParameterError
+from bahrs_driver.printable import printable
+from bahrs_driver.settings.command_line import ParameterArguments
+from bahrs_driver.settings.parameter_files import problem
+from rclpy.exceptions import ParameterException
+
+# Every sentence of rcl ends in places of its source; one about an argument quotes it.
+_PLACES = re.compile(r'\s*, at /\S+:\d+(?=, at |$)')
+_ARGUMENT = re.compile(r"Couldn't parse (?P<what>[^:]+): '(?P<argument>.*)'\. Error: (?P<why>.*)",
+                       re.DOTALL)
+_REMEDIES = {
+    'params file': 'write a node name or /**, below it ros__parameters, and below that '
+                   'NAME: VALUE',
+    'parameter override rule': 'write -p NAME:=VALUE, with a value of YAML',
+    'remap rule': 'write -r FROM:=TO',
+    'log level': 'write --log-level debug, info, warn, error or fatal',
+}
+
+
+def explain(error: Exception, words: Sequence[str]) -> str:
+    """Return why the node did not start with the words of a command line, and a remedy."""
+    if isinstance(error, ParameterError):
+        return str(error)
+    for word in words:
+        if not _is_utf8(word):
+            return f'the argument {printable(word)} is not valid UTF-8: write it in UTF-8'
+    if isinstance(error, ParameterException):
+        # Of those of rclpy itself, which are declared before any of ours.
+        name = re.search(r"parameter '(\w+)'", str(error))
+        return f'parameter {name[1]} must be true or false' if name else printable(error)
+    for file in ParameterArguments.from_words(words).files:
+        reason = problem(file)
+        if reason:
+            return reason
+    return _plain(error)
+
+
+def _plain(error: Exception) -> str:
+    """Return what rcl or another library says, without the places in its source."""
+    text = _PLACES.sub('', str(error).strip())
+    about = _ARGUMENT.search(text)
+    if about is None:
+        return printable(text.rpartition('ROS arguments: ')[2] or type(error).__name__)
+    remedy = _REMEDIES.get(about['what'], 'see "ros2 run --help"')
+    return f"{printable(about['argument'])} cannot be used: {printable(about['why'])}: {remedy}"
+
+
+def _is_utf8(word: str) -> bool:
+    try:
+        word.encode()
+    except UnicodeEncodeError:
+        return False
+    return True

@@ -1,0 +1,82 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Settings of the node as a process: which are used, and that they can be asked for and set."""
+
+from pathlib import Path
+
+from bahrs_driver.convert.bahrs import TOPICS
+from devices import Device
+from processes import listening, PATIENCE, running, wait_for
+import pytest
+from rcl_interfaces.msg import Parameter, ParameterValue
+from rcl_interfaces.srv import GetParameters, SetParameters
+
+CONFIG = Path(__file__).resolve().parents[2] / 'config'
+UNDEFINED = 200
+
+
+def call(ear, kind, name, request):
+    """Call a service and return its response."""
+    client = ear.node.create_client(kind, name)
+    assert client.wait_for_service(PATIENCE)
+    future = client.call_async(request)
+    assert wait_for(future.done)
+    return future.result()
+
+
+def text_of(ear, node, name):
+    """Return the value of a parameter that is a text."""
+    response = call(ear, GetParameters, f'{node}/get_parameters',
+                    GetParameters.Request(names=[name]))
+    return response.values[0].string_value
+
+
+@pytest.mark.parametrize('name', ['bahrs', 'titan_m'])
+def test_the_shipped_file_is_for_a_node_of_any_name(tmp_path, name):
+    """In a namespace, too; and a rule on the command line beats it."""
+    with listening({}) as ear, running(
+            'driver_node', '--ros-args', '--params-file', str(CONFIG / f'{name}.yaml'),
+            '-p', f'port:={tmp_path}/port', '-r', '__node:=front', '-r', '__ns:=/left') as node:
+        assert text_of(ear, '/left/front', 'sensor') == name
+        assert text_of(ear, '/left/front', 'port') == f'{tmp_path}/port'
+        assert 'without effect' not in node.text
+
+
+def test_a_rule_beats_a_file_that_names_the_node(tmp_path):
+    """Although rcl takes what names the node for more."""
+    file = tmp_path / 'my.yaml'
+    file.write_text('/bahrs_driver:\n  ros__parameters:\n    port: /dev/ttyUSB7\n')
+    with listening({}) as ear, running(
+            'driver_node', '--ros-args', '--params-file', str(CONFIG / 'bahrs.yaml'),
+            '--params-file', str(file), '-p', f'port:={tmp_path}/port'):
+        assert text_of(ear, '/bahrs_driver', 'port') == f'{tmp_path}/port'
+
+
+def test_frames_are_published_without_a_leading_slash(cable):
+    """One warning says so."""
+    with listening(TOPICS) as ear, running(
+            'driver_node', '--ros-args', '-p', f'port:={cable.path}', '-p', 'frame_id:=/imu',
+            '-p', 'world_frame_id:=/left/map') as node, Device(cable):
+        assert ear.wait('imu/data')[-1].header.frame_id == 'imu'
+        assert ear.wait('velocity')[-1].header.frame_id == 'left/map'
+        assert "parameter frame_id is '/imu': names of frames have no leading slash, 'imu' is " \
+            'used' in node.text
+
+
+def test_requests_that_cannot_be_met_are_answered_and_disturb_nothing(cable):
+    """A type that is not defined is refused like any other bad value, and data goes on."""
+    items = [Parameter(name='port', value=ParameterValue(type=UNDEFINED)),
+             Parameter(name='nvm.page', value=ParameterValue(type=UNDEFINED)),
+             Parameter(name='frame_id', value=ParameterValue(type=4, string_value='x')),
+             Parameter(name='nvm.page', value=ParameterValue(type=2, integer_value=3))]
+    with listening(TOPICS) as ear, running(
+            'driver_node', '--ros-args', '-p', f'port:={cable.path}') as node, Device(cable):
+        ear.wait('imu/data')
+        results = call(ear, SetParameters, 'bahrs_driver/set_parameters',
+                       SetParameters.Request(parameters=items)).results
+        assert [result.successful for result in results] == [False, False, False, True]
+        assert 'cannot have a value of type 200' in results[1].reason
+        assert results[2].reason == ('parameter frame_id is read when the driver starts: restart '
+                                     'it with -p frame_id:=VALUE')
+        ear.wait('imu/data', len(ear.heard['imu/data']) + 50)
+        assert 'Traceback' not in node.text and node.end() == 0

@@ -1,0 +1,76 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which value of a parameter is used: the last on the command line, whatever rcl makes of it."""
+
+from bahrs_driver.settings.command_line import ParameterArguments
+from bahrs_driver.settings.node_settings import NodeSettings
+from hypothesis import given, strategies as st
+import pytest
+import rclpy
+from rclpy.context import Context
+import yaml
+
+
+def values(words):
+    """Return what the parameters of a node are with the words of a command line."""
+    arguments = ParameterArguments.from_words(words)
+    context = Context()
+    context.init(words)
+    node = rclpy.create_node('bahrs_driver', context=context,
+                             cli_args=arguments.node_arguments(), start_parameter_services=False)
+    try:
+        return NodeSettings(node, arguments).values
+    finally:
+        node.destroy_node()
+        context.try_shutdown()
+
+
+@pytest.mark.parametrize('words, files, rules', [
+    ([], [], []),
+    (['x', '-p', 'a:=1'], [], []),
+    (['--ros-args', '-p', 'a:=1', '--param', 'b:=2'], [], ['a:=1', 'b:=2']),
+    (['--ros-args', '-p', 'a:=1', '-p', 'b:=2', '-p', 'a:=3'], [], ['b:=2', 'a:=3']),
+    (['--ros-args', '-p', 'a:=1', '--params-file', 'f', '-p', 'b:=2'], ['f'], ['b:=2']),
+    (['--ros-args', '--params-file', 'f', '--', '-p', 'a:=1', '--ros-args', '-p', 'b:=2'],
+     ['f'], ['b:=2']),
+    (['--ros-args', '-r', '-p', 'a:=1', '--params-file'], [], []),
+])
+def test_files_and_rules_are_found(words, files, rules):
+    """Only those between --ros-args and --, and of the rules the last of each name."""
+    assert ParameterArguments.from_words(words) == (files, rules)
+
+
+def written(folder, number, key, name, value):
+    """Write a parameter file and return its path."""
+    path = folder / f'{number}.yaml'
+    path.write_text(yaml.safe_dump({key: {'ros__parameters': {name: value}}}))
+    return str(path)
+
+
+KEYS = st.sampled_from(['/**', '/*', 'bahrs_driver', '/bahrs_driver', '/**/bahrs_driver'])
+
+
+@given(files=st.lists(st.tuples(KEYS, st.sampled_from([1, 2.5, True, 'text', [1, 2]])),
+                      max_size=3),
+       rules=st.lists(st.sampled_from([1, 2, 2.5]), min_size=1, max_size=3))
+def test_the_last_rule_beats_every_file_before_it(tmp_path_factory, files, rules):
+    """Whichever node a file names, and whatever the types of the other values are."""
+    folder = tmp_path_factory.mktemp('files')
+    words = ['driver_node', '--ros-args']
+    for number, (key, value) in enumerate(files):
+        words += ['--params-file', written(folder, number, key, 'stddev.velocity', value)]
+    for value in rules:
+        words += ['-p', f'stddev.velocity:={value}']
+    assert values(words)['stddev.velocity'] == rules[-1]
+
+
+def test_a_file_after_a_rule_beats_it(tmp_path):
+    """So a launch file gives global parameters first, and those of the node after them."""
+    file = written(tmp_path, 0, '/**', 'stddev.velocity', 3.0)
+    words = ['driver_node', '--ros-args', '-p', 'stddev.velocity:=2.0', '--params-file', file]
+    assert values(words)['stddev.velocity'] == 3.0
+
+
+def test_a_default_is_used_where_nothing_is_given():
+    """And a file that names another node gives nothing."""
+    assert values(['driver_node'])['stddev.velocity'] == 0.2

@@ -1,0 +1,98 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Parameter files: what is wrong with one, and whether rclpy takes anything from it."""
+
+import os
+import threading
+
+from bahrs_driver.settings.parameter_files import LARGEST, other_nodes, problem
+from hypothesis import given, strategies as st
+import pytest
+import rclpy
+from rclpy.context import Context
+import yaml
+
+
+def applies(path, name, namespace):
+    """Return whether rclpy gives a node anything from a file."""
+    context = Context()
+    context.init(['node', '--ros-args', '--params-file', str(path)])
+    node = rclpy.create_node(name, namespace=namespace, context=context,
+                             start_parameter_services=False)
+    try:
+        return bool(node._parameter_overrides)
+    finally:
+        node.destroy_node()
+        context.try_shutdown()
+
+
+PARTS = st.sampled_from(['*', '**', 'bahrs_driver', 'front', 'left', 'uav_1'])
+PATTERNS = st.builds(lambda slash, parts: slash + '/'.join(parts),
+                     st.sampled_from(['', '/']), st.lists(PARTS, min_size=1, max_size=3))
+
+
+@given(patterns=st.lists(PATTERNS, min_size=1, max_size=2), nested=st.booleans(),
+       name=st.sampled_from(['bahrs_driver', 'front']),
+       namespace=st.sampled_from(['/', '/left', '/uav_1/left']))
+def test_it_matches_as_rclpy_does(tmp_path_factory, patterns, nested, name, namespace):
+    """With wildcards, and with names written as keys within keys."""
+    tree = {}
+    for pattern in patterns:
+        values = {'ros__parameters': {'port': 'x'}}
+        head, _, tail = pattern.rpartition('/')
+        tree[head if nested and head else pattern] = {tail: values} if nested and head else values
+    path = tmp_path_factory.mktemp('files') / 'file.yaml'
+    path.write_text(yaml.safe_dump(tree))
+    full_name = f"{namespace.rstrip('/')}/{name}"
+    try:
+        expected = applies(path, name, namespace)
+    except rclpy._rclpy_pybind11.RCLError:
+        return                          # such as **/**, which rcl does not allow
+    assert (other_nodes(str(path), full_name) is None) == expected
+
+
+def test_the_names_in_a_file_are_returned(tmp_path):
+    """Each once, as rcl reads them."""
+    path = tmp_path / 'file.yaml'
+    path.write_text('left:\n  bahrs_driver:\n    ros__parameters: {port: x}\n'
+                    '/right/*:\n  ros__parameters: {port: y}\n'
+                    '---\nother:\n  ros__parameters: {port: y}\n')
+    assert other_nodes(str(path), '/bahrs_driver') == ['left/bahrs_driver', '/right/*', 'other']
+    assert other_nodes(str(path), '/left/bahrs_driver') is None
+    path.write_text('')
+    assert other_nodes(str(path), '/bahrs_driver') == []
+
+
+@pytest.mark.parametrize('content, sentence', [
+    (b'a: [b\nc', 'is not valid YAML: correct line 2: expected'),
+    (b'a:\n\tb: c', 'is not valid YAML: correct line 2: found character'),
+    (b'\xff\xfe\x00\x01', 'is not a YAML file: check the path'),
+    (b'a: \x1b[2J', 'is not a YAML file: check the path'),
+    (b'[' * 2000, 'is not a YAML file: check the path'),
+    (b'# comment\n' * (LARGEST // 10 + 1), 'is not a YAML file: check the path'),
+])
+def test_a_file_that_is_no_yaml(tmp_path, content, sentence):
+    """One sentence says where, or that it is the wrong file; and nothing is raised."""
+    path = tmp_path / 'file.yaml'
+    path.write_bytes(content)
+    assert sentence in problem(str(path))
+    assert other_nodes(str(path), '/bahrs_driver') is None
+
+
+def test_a_file_that_cannot_be_read(tmp_path):
+    """The reason is that of the system."""
+    assert 'cannot be read: No such file or directory' in problem(str(tmp_path / 'none'))
+    assert 'cannot be read: Is a directory' in problem(str(tmp_path))
+    assert other_nodes(str(tmp_path / 'none'), '/bahrs_driver') is None
+
+
+def test_a_pipe_is_left_to_rcl(tmp_path):
+    """What is read from it is gone, and without a writer it would not end."""
+    path = tmp_path / 'pipe'
+    os.mkfifo(path)
+    results = []
+    thread = threading.Thread(target=lambda: results.extend(
+        [problem(str(path)), other_nodes(str(path), '/bahrs_driver')]), daemon=True)
+    thread.start()
+    thread.join(60)
+    assert results == [None, None]

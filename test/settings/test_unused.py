@@ -1,0 +1,131 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Settings without effect: listed in one warning, with the reason."""
+
+from bahrs_driver.link import Link
+from bahrs_driver.parameters import defaults, PARAMETERS
+from bahrs_driver.sensors import SENSORS
+from bahrs_driver.settings.unused import RATES, unused_parameters, why_unused
+from hypothesis import given, settings, strategies as st
+import pytest
+from starting import start
+
+BY_NAME = {parameter.name: parameter for parameter in PARAMETERS}
+SILENT = dict.fromkeys(RATES, 0.0)
+
+
+def values_of(parameter):
+    """Return a strategy for the valid values of a parameter."""
+    if parameter.choices:
+        return st.sampled_from(parameter.choices)
+    if isinstance(parameter.default, bool):
+        return st.booleans()
+    if isinstance(parameter.default, int):
+        return st.integers(int(parameter.low), int(parameter.high))
+    if isinstance(parameter.default, float):
+        zero = st.just(0.0) if parameter.or_zero else st.nothing()
+        return zero | st.floats(parameter.low, parameter.high)
+    return st.just(parameter.default)
+
+
+class Recorded(dict):
+    """Settings that remember which of them were read."""
+
+    def __init__(self, settings):
+        """Take the settings."""
+        super().__init__(settings)
+        self.read = set()
+
+    def __getitem__(self, name):
+        """Return a setting, and remember its name."""
+        self.read.add(name)
+        return super().__getitem__(name)
+
+
+# Read by the node, not by the parts of a sensor.
+OF_THE_NODE = {'sensor', 'port', 'baud_rate', 'publish.raw', 'nvm.page', 'nvm.dump_path',
+               'diagnostics.damaged_share', 'diagnostics.qualified_name'}
+
+
+@settings(max_examples=40)
+@given(st.fixed_dictionaries({parameter.name: values_of(parameter) for parameter in PARAMETERS}))
+def test_what_no_part_reads_is_listed(values):
+    """Whatever the values are; so a parameter that is added for one device names it."""
+    recorded = Recorded(values)
+    SENSORS[values['sensor']](recorded, Link(values['port'], values['baud_rate']))
+    listed = {name.split()[0] for name in unused_parameters(values, values)}
+    assert set(BY_NAME) - recorded.read - OF_THE_NODE <= listed
+
+
+@pytest.mark.parametrize('name, values, reason', [
+    ('state.rate', {}, 'sensor is bahrs'),
+    ('crc_order', {'sensor': 'titan_m'}, 'sensor is titan_m'),
+    ('nvm.page', {'sensor': 'titan_m'}, 'sensor is titan_m'),
+    ('time.sync_pulse.period', {}, "time.source is 'device'"),
+    ('time.sync_pulse.reference', {'time.source': 'arrival'}, "time.source is 'arrival'"),
+    ('time.sync_pulse.period', {'time.source': 'sync_pulse'}, None),
+    ('time.label', {'time.source': 'arrival'}, "time.source is 'arrival'"),
+    ('magnetic_field.dip', {'publish.derived_magnetic_field': False},
+     'publish.derived_magnetic_field is False'),
+    ('integrity.risk_inflation', {'integrity.risk_policy': 'pass'},
+     "integrity.risk_policy is 'pass'"),
+    ('baud_rate', {'port': 'socket://host:4001'}, 'port is a socket'),
+    ('baud_rate', {'port': 'rfc2217://host:4001'}, None),
+    ('gps.week', {'sensor': 'titan_m', 'gps.rate': 0.0}, 'gps.rate is 0'),
+    ('stddev.temperature', {'sensor': 'titan_m', 'sensors.rate': 0.0}, 'sensors.rate is 0'),
+    ('stddev.attitude', {'sensor': 'titan_m', 'state.rate': 0.0}, 'state.rate is 0'),
+    ('gps.week', {'sensor': 'titan_m', **SILENT}, None),
+    ('request.retries', {'sensor': 'titan_m', **SILENT},
+     'state.rate, sensors.rate, gps.rate are 0'),
+])
+def test_reasons(name, values, reason):
+    """They name the parameter that decides."""
+    assert why_unused(BY_NAME[name], {**defaults(), **values}) == reason
+
+
+def test_one_warning_lists_them_all(monkeypatch, capfd, tmp_path):
+    """Parameters of the other device, unknown ones, policies of no topic, files for no node."""
+    file = tmp_path / 'my.yaml'
+    file.write_text('bahrs_driver:\n  ros__parameters:\n    port: /dev/ttyUSB7\n')
+    status, lines = start(
+        monkeypatch, capfd, '--params-file', str(file), '-r', '__node:=front',
+        '-p', 'state.rate:=10', '-p', 'baudrate:=9600', '-p', 'nothing_like_it:=[]',
+        '-p', 'time.sync_pulse.period:=1.0', '-p', 'publish.raw:=false',
+        '-p', 'qos_overrides./imu/dta.publisher.depth:=5',
+        '-p', 'qos_overrides./imu/data.publisher.durability:=volatile',
+        '-p', 'qos_overrides./imu/data.publisher.depth:=5')
+    assert status == 0 and len(lines) == 1
+    for part in ('settings without effect: state.rate (sensor is bahrs); '
+                 "time.sync_pulse.period (time.source is 'device'); "
+                 'baudrate (there is no such parameter, did you mean baud_rate?); '
+                 'nothing_like_it (there is no such parameter); ',
+                 'qos_overrides./imu/dta.publisher.depth (there is no such publisher, '
+                 'subscription or policy, did you mean qos_overrides./imu/data.publisher.depth?)',
+                 'qos_overrides./imu/data.publisher.durability (there is no such',
+                 f'parameter file {file} (it has parameters of bahrs_driver only, use the key '
+                 '/** or /front)'):
+        assert part in lines[0]
+    assert 'publish.raw' not in lines[0] and lines[0].count('imu/data.publisher.depth') == 1
+
+
+def test_nothing_is_listed_for_nothing(monkeypatch, capfd):
+    """What has an effect is not worth a word."""
+    assert start(monkeypatch, capfd, '-p', 'time.source:=sync_pulse',
+                 '-p', 'time.sync_pulse.reference:=pulses', '-p', 'stddev.velocity:=1',
+                 '-p', 'qos_overrides./pulses.subscription.depth:=5',
+                 '-p', 'publish.raw:=true', '-p', 'qos_overrides./raw.publisher.depth:=5',
+                 ) == (0, [])
+
+
+def test_a_long_name_is_cut(monkeypatch, capfd):
+    """A line of the log stays short."""
+    status, lines = start(monkeypatch, capfd, '-p', f'x{"y" * 5000}:=1')
+    assert status == 0 and len(lines) == 1 and len(lines[0]) < 1500
+
+
+@pytest.mark.parametrize('name', ['bahrs', 'titan_m'])
+def test_shipped_files_have_no_setting_without_effect(monkeypatch, capfd, name):
+    """Whatever the node is called, and in any namespace."""
+    file = f'{__file__.rpartition("/test/")[0]}/config/{name}.yaml'
+    assert start(monkeypatch, capfd, '--params-file', file, '-p', 'port:=/nowhere',
+                 '-r', '__node:=front', '-r', '__ns:=/left') == (0, [])
