@@ -20,14 +20,13 @@ from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
 from bahrs_driver.clock import byte_time_ns, Instant
+from bahrs_driver.host_time import paired_reading
 from bahrs_driver.printable import printable
 import serial
 
 READ_TIMEOUT = 0.5      # s; bounds how long a closed-down link may hold its reader
 WRITE_TIMEOUT = 1.0     # s
 SOCKET_CHUNK = 4096     # bytes
-NARROW = 20_000         # ns; a wider bracket of clock readings was interrupted
-BRACKETS = 4
 _NO_LINE_RATE = ('ttyACM', 'ttyGS')
 
 
@@ -49,17 +48,8 @@ class Reading(NamedTuple):
 
 def now() -> Instant:
     """Read both clocks of the host as if at once; the raw time is that of the call."""
-    first = time.clock_gettime_ns(time.CLOCK_MONOTONIC_RAW)
-    before, narrowest, offset = first, 0, 0
-    for attempt in range(BRACKETS):
-        ros = time.time_ns()
-        after = time.clock_gettime_ns(time.CLOCK_MONOTONIC_RAW)
-        if attempt == 0 or after - before < narrowest:
-            narrowest, offset = after - before, ros - (before + after) // 2
-        if narrowest < NARROW:
-            break
-        before = after
-    return Instant(first, first + offset)
+    reading = paired_reading(time.CLOCK_MONOTONIC_RAW)
+    return Instant(reading.time, reading.time + reading.offset)
 
 
 class Link:

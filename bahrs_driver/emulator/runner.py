@@ -14,6 +14,7 @@ from bahrs_driver.emulator.control import ControlError
 from bahrs_driver.emulator.pty_port import PtyPort
 from bahrs_driver.emulator.session import Session
 from bahrs_driver.emulator.truth_file import HostTime
+from bahrs_driver.host_time import SystemTime
 
 _LONGEST_WAIT = 0.1     # s
 _WATCH = 0.0002         # s before bytes are due, from when on we do not trust to be woken in time
@@ -54,6 +55,7 @@ class PacedRun:
         self._announce = announce
         self._complain = complain
         self._zero_ns = 0
+        self._system_time = SystemTime()
         self._ended = False
         self._port: PtyPort | None = None
 
@@ -75,7 +77,7 @@ class PacedRun:
 
     def host_time(self) -> HostTime:
         """Return what the host's clocks read at time 0; the wall clock's may change."""
-        return HostTime(self._zero_ns, time.time_ns() - time.monotonic_ns() + self._zero_ns)
+        return HostTime(self._zero_ns, self._system_time.at(self._zero_ns))
 
     def run(self, session: Session, duration: float = math.inf) -> None:
         """

@@ -1,0 +1,64 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Two clocks of the host, read as if at once.
+
+Between two calls the process may be interrupted for milliseconds. So the system time is read
+between two readings of the other clock, again where these are far apart: their distance is the
+most that the difference of the clocks can be wrong by.
+"""
+
+import time
+from typing import NamedTuple
+
+NARROW = 20_000         # ns; a wider bracket of readings was interrupted
+ATTEMPTS = 8
+
+
+class PairedReading(NamedTuple):
+    """A reading of a clock, and the bounds of system time less this clock, in ns."""
+
+    time: int
+    least_offset: int
+    most_offset: int
+
+    @property
+    def offset(self) -> int:
+        """Return the estimated difference between system time and this clock."""
+        return (self.least_offset + self.most_offset) // 2
+
+
+def paired_reading(clock: int) -> PairedReading:
+    """Read a clock (time.CLOCK_...) and how far system time is ahead of it."""
+    first = before = time.clock_gettime_ns(clock)
+    best: PairedReading | None = None
+    for _ in range(ATTEMPTS):
+        system = time.time_ns()
+        after = time.clock_gettime_ns(clock)
+        if best is None or after - before < best.most_offset - best.least_offset:
+            best = PairedReading(first, system - after, system - before)
+        if after - before < NARROW:
+            break
+        before = after
+    assert best
+    return best
+
+
+class SystemTime:
+    """System time by the monotonic clock, which only a clock that is set makes jump."""
+
+    def __init__(self) -> None:
+        """Start without a reading."""
+        self._offset: int | None = None
+
+    def at(self, monotonic: int) -> int:
+        """
+        Return the system time at a monotonic time, in ns.
+
+        Both clocks are slewed alike, so their difference is constant until the system time is
+        set. It is kept as long as the present readings allow it.
+        """
+        _, least, most = reading = paired_reading(time.CLOCK_MONOTONIC)
+        if self._offset is None or not least <= self._offset <= most:
+            self._offset = reading.offset
+        return monotonic + self._offset
