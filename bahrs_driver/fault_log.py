@@ -39,8 +39,8 @@ class FaultLog:
             self.last = sentence
             due = self._is_due((activity, type(error).__name__))
         if due:
-            self._write_error(f'{sentence}. The driver goes on; please report this with the '
-                              'traceback that "--ros-args --log-level debug" shows.')
+            self._write_error(f'{sentence}. This is a fault of bahrs_driver, which goes on: '
+                              'please report it')
             self._write_debug(''.join(traceback.format_exception(error)))
 
     def _is_due(self, kind: tuple[str, str]) -> bool:

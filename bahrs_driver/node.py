@@ -29,6 +29,7 @@ from bahrs_driver.settings.command_line import ParameterArguments
 from bahrs_driver.settings.node_settings import NodeSettings
 from bahrs_driver.settings.parameter_requests import ParameterRequests
 from bahrs_driver.sim_time import keep_host_time
+from bahrs_driver.subscriber_gate import SubscriberGate
 from diagnostic_msgs.msg import DiagnosticArray
 from diagnostic_msgs.srv import SelfTest
 from rclpy.clock import Clock, ClockType
@@ -68,6 +69,7 @@ class DriverNode(Node):
         self._counts = dict.fromkeys(sensor.topics, 0)
         self._monitor = self._make_monitor(settings)
         self._problems = self._make_problem_log()
+        self._gate = SubscriberGate(settings['startup.wait_for_subscribers'])
         self._reporting = Lock()        # or an older report could overtake a newer one
         self._data = {topic: self._publisher(message_type, topic, topic in sensor.latched)
                       for topic, message_type in sensor.topics.items()}
@@ -91,14 +93,20 @@ class DriverNode(Node):
     def threads(self) -> Mapping[str, Callable[[], None]]:
         """Functions that each run in a thread until stop() is called, by name."""
         requester = self._sensor.requester
-        return {'the reading thread': self.receiver.run,
+        return {'the reading thread': self._read,
                 **({'the requesting thread': requester.run} if requester else {})}
 
     def stop(self) -> None:
         """Make the threads end soon."""
         if self._sensor.requester:
             self._sensor.requester.stop()
+        self._gate.open()
         self.receiver.stop()
+
+    def _read(self) -> None:
+        raw_data = {raw.TOPIC: self._raw} if self._raw else {}
+        self._gate.wait({**self._data, **raw_data}, self._log.info, self._log.warning)
+        self.receiver.run()
 
     def leave_device(self) -> None:
         """Have the device told to leave diagnostics mode, if it is in it for us."""
@@ -236,7 +244,7 @@ class DriverNode(Node):
         if latched:
             profile.durability = DurabilityPolicy.TRANSIENT_LOCAL
         return self.create_publisher(
-            message_type, topic, profile,
+            message_type, topic, profile, event_callbacks=self._gate.callbacks(),
             qos_overriding_options=QoSOverridingOptions.with_default_policies())
 
 

@@ -83,6 +83,10 @@ PARAMETERS = (
     Parameter('publish.raw', False,
               'Whether to publish raw, the bytes of each read as they came. A bag that holds it '
               'holds everything, and can be converted anew.'),
+    Parameter('startup.wait_for_subscribers', 0.0,
+              'Longest time to wait, before the port is opened, until each data topic has a '
+              'subscriber, so that a recorder that was started first misses nothing; 0 does not '
+              'wait.', 's', low=0.0, high=60.0),
     Parameter('state.rate', 50.0,
               'How often to ask a titan_m for its state: attitude, velocity, position; 0 is '
               'never.', 'Hz', low=0.01, high=1000.0, or_zero=True, sensor=TITAN_M),

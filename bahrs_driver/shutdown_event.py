@@ -80,5 +80,16 @@ def end_process(status: int) -> NoReturn:
     os._exit(status)
 
 
+def ignore_signals() -> None:
+    """
+    Ignore the handled signals from now on. Only the main thread may call it.
+
+    While the interpreter ends it restores the default action, with which a second Ctrl-C would
+    turn a clean exit into a death by signal.
+    """
+    for kind in HANDLED_SIGNALS:
+        signal.signal(kind, signal.SIG_IGN)
+
+
 def _noop_handler(*_: object) -> None:
     """Do nothing: with a handler in place, Python writes to the wake-up descriptor."""

@@ -15,6 +15,7 @@ from bahrs_driver.cli.arguments import positive
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.ros import check_domain, check_node_name, checked_namespace
 from bahrs_driver.cli.signals import ENDING, heeded
+from bahrs_driver.fault_log import FaultLog
 from bahrs_driver.recording.bag_output import BagWriter
 from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.recording.recorder import NANOSECONDS, RAW, Recorder
@@ -72,12 +73,14 @@ def run(options: argparse.Namespace) -> int:
     check_domain()
     folder = options.output or time.strftime('bahrs_%Y_%m_%d-%H_%M_%S')
     failure = ''
+    faults = FaultLog(lambda text: print(f'bahrs record: {text}', file=sys.stderr), str)
     with _ending() as ended, _ros():
         try:
             bag = BagWriter(folder)
         except CaptureError as error:
             raise CommandError(str(error)) from error
-        recorder = Recorder(options.node, options.namespace, options.raw_only)
+        recorder = Recorder(options.node, options.namespace, options.raw_only,
+                            lambda error: faults.report('receiving a message', error))
         recorder.start()
         try:
             with contextlib.closing(bag):

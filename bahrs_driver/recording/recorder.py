@@ -14,10 +14,11 @@ import threading
 import time
 from typing import Any, NamedTuple
 
+from bahrs_driver.executor import StoppableExecutor
 from bahrs_driver.recording.origin import parse_label
 from bahrs_driver.recording.topics import profile, Qos, Topic
 import rclpy
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.clock import Clock, ClockType
 from rclpy.node import NodeNameNonExistentError
 from rclpy.qos import (
     DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy,
@@ -46,8 +47,13 @@ class Taken(NamedTuple):
 class Recorder:
     """Subscribes to all that a node publishes, or only to its raw bytes."""
 
-    def __init__(self, node_name: str, namespace: str, raw_only: bool) -> None:
-        """Take the node's name and namespace; start() begins."""
+    def __init__(self, node_name: str, namespace: str, raw_only: bool,
+                 on_error: Callable[[BaseException], None]) -> None:
+        """
+        Record the node of a name and namespace, once start() is called.
+
+        on_error is called with each exception of the recorder's own callbacks.
+        """
         self.node_seen = False
         self.lost = 0                   # messages that the publisher sent and we never had
         self._name, self._namespace = node_name, '/' + namespace.strip('/')
@@ -60,21 +66,23 @@ class Recorder:
         self._late: list[Taken] = []    # that drain() keeps back
         self._last = 0                  # log time of the latest that was handed on
         self._node = rclpy.create_node(f'bahrs_record_{time.monotonic_ns() % 10 ** 9}')
-        self._node.create_timer(SEARCH_PERIOD, self._search)
-        self._executor = SingleThreadedExecutor()
+        self._node.create_timer(SEARCH_PERIOD, self._search,
+                                clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._executor = StoppableExecutor(on_error)
         self._executor.add_node(self._node)
-        self._stopped = threading.Event()
-        self._thread = threading.Thread(target=self._spin, name='recorder')
+        self._thread = threading.Thread(target=self._executor.spin, name='recorder')
 
     def start(self) -> None:
         """Begin to look and to listen."""
         self._thread.start()
 
     def stop(self) -> None:
-        """Listen no more. What came by now can still be drained."""
-        # Not by shutdown(), which takes away what spinning still uses: at the next search.
-        self._stopped.set()
+        """Stop receiving. What came by now can still be drained."""
+        self._executor.stop()
         self._thread.join()
+
+    def close(self) -> None:
+        """Destroy the node, which may hang in the middleware after the clock was set back."""
         self._executor.shutdown()
         self._node.destroy_node()
 
@@ -98,13 +106,6 @@ class Recorder:
                 ready[index] = item._replace(log_time=self._last)
             self._last = ready[index].log_time
         return ready
-
-    def _spin(self) -> None:
-        try:
-            while not self._stopped.is_set():
-                self._executor.spin_once()
-        except ExternalShutdownException:
-            pass
 
     def _search(self) -> None:
         try:

@@ -4,6 +4,7 @@
 
 from bahrs_driver.recording.recorder import Recorder
 from processes import wait_for
+import pytest
 import rclpy
 from std_msgs.msg import String
 
@@ -18,7 +19,7 @@ def test_several_publishers_of_a_topic_lose_nothing():
                       for name in ('first_of_two', 'second_of_two')]
         for _ in range(EARLIER):
             publishers[1].publish(String())
-        recorder = Recorder('first_of_two', '', False)
+        recorder = Recorder('first_of_two', '', False, pytest.fail)
         recorder.start()
         try:
             assert wait_for(lambda: all(publisher.get_subscription_count()
@@ -32,6 +33,7 @@ def test_several_publishers_of_a_topic_lose_nothing():
                 or len(came) == 20, 60)
         finally:
             recorder.stop()
+            recorder.close()
         assert recorder.lost == 0
     finally:
         rclpy.try_shutdown()

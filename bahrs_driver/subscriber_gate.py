@@ -1,0 +1,60 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Wait for subscribers before the first data.
+
+A subscriber that was started first is still discovered only after the publisher exists, which
+takes up to some seconds; what is published meanwhile never reaches it. A node that opens its
+port only when all its topics have a subscriber loses nothing to it.
+"""
+
+from collections.abc import Callable, Mapping
+import threading
+
+from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.publisher import Publisher
+
+Write = Callable[[str], object]
+
+
+class SubscriberGate:
+    """Holds a thread back until publishers have subscribers, a time in seconds at most."""
+
+    def __init__(self, limit: float) -> None:
+        """Do not wait at all if the limit is 0."""
+        self._limit = limit
+        self._changed = threading.Condition()
+        self._open = not limit
+
+    def callbacks(self) -> PublisherEventCallbacks | None:
+        """Return the event callbacks that a publisher to wait for must be created with."""
+        return None if self._open else PublisherEventCallbacks(matched=lambda _: self._notify())
+
+    def open(self) -> None:  # noqa: A003
+        """Let the waiting thread go on."""
+        with self._changed:
+            self._open = True
+            self._changed.notify_all()
+
+    def wait(self, publishers: Mapping[str, Publisher], write_info: Write,
+             write_warning: Write) -> None:
+        """Wait until each publisher has a subscriber, and log which have none in the end."""
+        if self._open:
+            return
+        write_info(f'the port is opened when all topics have a subscriber, after '
+                   f'{self._limit:g} s at the latest (startup.wait_for_subscribers)')
+
+        def missing() -> list[str]:
+            return [topic for topic, publisher in publishers.items()
+                    if not publisher.get_subscription_count()]
+
+        with self._changed:
+            self._changed.wait_for(lambda: self._open or not missing(), self._limit)
+            stopped, self._open = self._open, True
+        if not stopped and (topics := missing()):
+            write_warning(f'no subscriber within {self._limit:g} s of {", ".join(topics)}: the '
+                          'port is opened without them')
+
+    def _notify(self) -> None:
+        with self._changed:
+            self._changed.notify_all()
