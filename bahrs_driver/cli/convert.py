@@ -12,13 +12,14 @@ import shutil
 import sys
 from typing import Any
 
+from bahrs_driver.cli.captures import open_capture, sensor_of
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.cli.ros import checked_namespace
 from bahrs_driver.link import Link
 from bahrs_driver.parameter import ParameterError
 from bahrs_driver.parameters import defaults, PARAMETERS
-from bahrs_driver.recording.capture import Capture, read_capture
+from bahrs_driver.recording.capture import Capture
 from bahrs_driver.recording.conversion import Conversion, Outcome
 from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.recording.outputs import BagOutput, CsvOutput
@@ -39,7 +40,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         'Make all topics of the driver anew, from the bytes that the device sent. Stamps are\n'
         'better than those of the flight, for what came later tells of them, too; those of a\n'
-        'Titan-M are arrival times, for requests are not recorded. Log times are the stamps.')
+        'Titan-M are arrival times, for requests are not recorded. Log times are the stamps, on a\n'
+        'clock that nobody sets.')
     parser.epilog = _EXAMPLES
     parser.add_argument('input', metavar='IN',
                         help='bag that holds the topic raw, or file of bytes')
@@ -71,10 +73,8 @@ def run(options: argparse.Namespace) -> int:
         raise CommandError(f'{target} exists already, and is not written over')
     half_done = target.with_name(f'.{target.name}.partial')
     try:
-        capture = read_capture(options.input, options.topic)
-        name = options.sensor or capture.sensor or 'bahrs'
-        if name not in SENSORS:
-            raise CommandError(f'{options.input} is of a sensor {name!r}, which is not known')
+        capture = open_capture(options.input, options.topic)
+        name = sensor_of(capture, options.sensor, SENSORS)
         if name in LISTENING and not capture.timed:
             raise CommandError(f'{options.input} cannot be converted: answers of a {name} have no '
                                'times; record the topic raw, or look at them with bahrs decode')
@@ -128,11 +128,12 @@ def _settings(options: argparse.Namespace, sensor: str) -> Mapping[str, Any]:
 
 
 def _report(options: argparse.Namespace, capture: Capture, outcome: Outcome) -> None:
-    for note in capture.notes:
+    notes = [*capture.notes, *outcome.clock_steps]
+    for note in notes:
         print(f'bahrs convert: {note}', file=sys.stderr)
     seconds = (outcome.last_ns - outcome.first_ns) / 1e9
     if options.json:
-        print(json.dumps({**outcome._asdict(), 'output': options.output, 'notes': capture.notes}))
+        print(json.dumps({**outcome._asdict(), 'output': options.output, 'notes': notes}))
     else:
         print(f'{outcome.frames:,} frames, {outcome.skipped_bytes:,} stray bytes: '
               f'{outcome.messages:,} messages of {seconds:,.1f} s in {options.output}')

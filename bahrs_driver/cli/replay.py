@@ -9,17 +9,20 @@ import sys
 import time
 
 from bahrs_driver.cli.arguments import a_number, checked, positive
+from bahrs_driver.cli.captures import open_capture, sensor_of
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.files import binary_input, STANDARD_INPUT
+from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.emulator.cable import adapter_mode, AT_ONCE, Cable
 from bahrs_driver.emulator.faults import Faults, NAMES as FAULTS, parse_fault
 from bahrs_driver.emulator.pacing import paced, Piece, through
 from bahrs_driver.emulator.pty_port import PtyPort
+from bahrs_driver.printable import printable
 from bahrs_driver.protocol.bahrs_frames import BahrsFormat
 from bahrs_driver.protocol.framing import FrameFormat, Framer
 from bahrs_driver.protocol.titan_frames import AnswerFormat
-from bahrs_driver.recording.capture import Capture, PIECE, read_capture
-from bahrs_driver.recording.errors import CaptureError
+from bahrs_driver.recording.capture import Capture, PIECE
+from bahrs_driver.recording.log_clock import LogClock
 
 BAUD_RATE = 115200
 LONGEST_UNREAD = 60.0       # s that a reader may take for the last bytes
@@ -76,11 +79,10 @@ def run(options: argparse.Namespace) -> int:
             content = file.read()
         capture = None
     else:
-        content, capture = b'', _capture(options)
+        content, capture = b'', open_capture(options.file, options.topic)
         if not capture.size:
-            raise CommandError(f'{options.file} is empty: there is nothing to play')
-        options.sensor = options.sensor or capture.sensor
-    options.sensor = options.sensor or 'bahrs'
+            raise CommandError(f'{printable(options.file)} is empty: there is nothing to play')
+    options.sensor = sensor_of(capture, options.sensor, FORMATS)
     faults = Faults(options.seed, dict(options.fault))
     try:
         port = PtyPort(options.link)
@@ -104,20 +106,14 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _capture(options: argparse.Namespace) -> Capture:
-    try:
-        return read_capture(options.file, options.topic)
-    except CaptureError as error:
-        raise CommandError(str(error)) from error
-
-
 def _timed(capture: Capture) -> Iterator[Piece]:
     """Return what was read, and when since the first read."""
-    first = None
+    log_clock, first = LogClock(), None
     for data, read_at, raw_at, _ in capture.chunks():
-        at = raw_at if raw_at is not None else read_at or 0
+        at = log_clock.observe(read_at or 0, raw_at).raw_ns
         first = at if first is None else first
-        yield max(0, at - first) / 1e9, data
+        yield (at - first) / NANOSECONDS, data
+    capture.notes.extend(log_clock.sentences())
 
 
 def _bytes(capture: Capture) -> Iterator[bytes]:

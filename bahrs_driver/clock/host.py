@@ -19,6 +19,13 @@ def step_sentence(step: int) -> str:
     return f"the host's clock was set by {step / NANOSECONDS:+.6f} s"
 
 
+def step_between(earlier: Instant, later: Instant) -> int:
+    """Return by how many ns ROS time was set between two moments; 0 if it was slewed at most."""
+    elapsed = later.raw_ns - earlier.raw_ns
+    change = later.ros_ns - earlier.ros_ns - elapsed
+    return change if abs(change) > STEP + FASTEST_SLEW * elapsed else 0
+
+
 class HostClocks:
     """Remembers the last two reads of both clocks, and goes straight between them."""
 
@@ -31,7 +38,7 @@ class HostClocks:
 
     def read(self, now: Instant) -> int:
         """Take both clocks at one moment; return by how many ns ROS time was stepped, or 0."""
-        step = self._step_to(now) if self._started else 0
+        step = step_between(self._after, now) if self._started else 0
         self._before = now if step or not self._started else self._after
         self._after = now
         self._started = True
@@ -49,9 +56,3 @@ class HostClocks:
         if change and elapsed > 0:
             offset += change * max(0, min(raw - before.raw_ns, elapsed)) // elapsed
         return raw + offset
-
-    def _step_to(self, now: Instant) -> int:
-        last = self._after
-        elapsed = now.raw_ns - last.raw_ns
-        change = now.ros_ns - last.ros_ns - elapsed
-        return change if abs(change) > STEP + FASTEST_SLEW * elapsed else 0

@@ -7,6 +7,6 @@ What a device sent: kept, read again, and made into topics.
 `raw` by means of `bag_input`: `bag_kind` tells them apart, `bag_files` opens them, `mcap_input`
 and `sqlite_input` read their messages, with `compression` and `damage`. `bag_output` writes bags,
 out of `topics`, `metadata` and `sealed_file`, and `recorder` listens to a node. `conversion` makes
-topics of a capture, with `byte_times` for one without times and `flight_health` for the
-diagnostics, and writes into `outputs`, with `serialization`.
+topics of a capture, with `byte_times` for one without times, `log_clock` for even log times and
+`flight_health` for the diagnostics, and writes into `outputs`, with `serialization`.
 """

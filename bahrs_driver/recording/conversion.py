@@ -4,7 +4,8 @@
 A capture through the rooms of the driver once more: every topic, with time known from both sides.
 
 The first pass looks at when bytes were read, and the second one stamps and converts. Messages
-are held for some seconds, so that they leave in the order of their stamps.
+are held for some seconds, so that they leave in the order of their log times, which are their
+stamps on a clock that nobody sets (see `log_clock`).
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -19,6 +20,7 @@ from bahrs_driver.recording import flight_health
 from bahrs_driver.recording.byte_times import DeviceTimed
 from bahrs_driver.recording.capture import Capture, Chunk
 from bahrs_driver.recording.flight_health import FlightHealth
+from bahrs_driver.recording.log_clock import LogClock, Moment
 from bahrs_driver.recording.origin import Origin
 from bahrs_driver.sensors import Sensor
 from diagnostic_msgs.msg import DiagnosticArray
@@ -39,13 +41,23 @@ class Output(Protocol):
 
 
 class Outcome(NamedTuple):
-    """What came of a conversion."""
+    """What came of a conversion. Times are log times."""
 
     frames: int
     skipped_bytes: int
     messages: int
     first_ns: int
     last_ns: int
+    clock_steps: list[str]          # a sentence for each time that the host's clock was set
+
+
+class Played(NamedTuple):
+    """A chunk of a capture, and what the driver makes of it."""
+
+    chunk: Chunk
+    moment: Moment                  # of its read
+    batch: list[Stamped]            # messages that it completes
+    lost: bool = False              # whether the port was lost after it
 
 
 class Conversion:
@@ -81,24 +93,30 @@ class Conversion:
         topics[flight_health.TOPIC] = DiagnosticArray
         health = FlightHealth(sensor, clock, self._settings)
         output.begin(topics, {topic for topic in topics if topic in sensor.latched})
-        for chunk, batch, ended in _play(capture, sensor, clock):
+        log_clock = LogClock()
+        for played in _play(capture, sensor, clock, log_clock):
             progress('converting')
-            now = chunk.read_at or 0
-            self._tell(health.before(chunk))
-            for message, _, stamp_ns in batch:
-                self._take(sensor.converter.convert(message, stamp_ns), stamp_ns, health.counts)
-                if isinstance(message, NvmPage):
-                    self._hold(now, nvm_page.TOPIC, nvm_page.message(message.data))
-            self._tell(health.after(chunk, batch))
-            if ended:
-                self._take(sensor.converter.lost(now), now, health.counts)
-            elif self._given.timed and chunk.data:
-                self._hold(now, *self._raw(chunk))
-            self._release(output, now - HOLD)
+            self._convert(played, sensor, health)
+            self._release(output, played.moment.log_ns - HOLD)
         self._release(output, None)
         counters = sensor.framer.counters
         return Outcome(counters.frames, counters.skipped_bytes, self._count, self._first,
-                       self._last)
+                       self._last, log_clock.sentences())
+
+    def _convert(self, played: Played, sensor: Sensor, health: FlightHealth) -> None:
+        chunk, moment, batch, lost = played
+        now, converter = moment.log_ns, sensor.converter
+        self._tell(health.before(now))
+        for message, _, stamp_ns in batch:
+            self._take(converter.convert(message, stamp_ns), stamp_ns - moment.offset,
+                       health.counts)
+            if isinstance(message, NvmPage):
+                self._hold(now, nvm_page.TOPIC, nvm_page.message(message.data))
+        self._tell(health.after(chunk, moment, batch))
+        if lost:
+            self._take(converter.lost(moment.ros_ns), now, health.counts)
+        elif self._given.timed and chunk.data:
+            self._hold(now, *self._raw(chunk))
 
     def _survey(self, progress: Callable[[str], None]) -> tuple[Capture, SmoothedLines | None]:
         """Return the capture with times, and what is known of its clock by all of it."""
@@ -109,7 +127,7 @@ class Conversion:
         if not isinstance(sensor.clock, SampleClock):
             return self._given, None
         survey = Survey()
-        for _ in _play(self._given, sensor, sensor.clock.with_tracker(survey)):
+        for _ in _play(self._given, sensor, sensor.clock.with_tracker(survey), LogClock()):
             progress('looking at the clock')
         return self._given, survey.lines()
 
@@ -119,46 +137,46 @@ class Conversion:
                         read_at if chunk.raw_at is None else chunk.raw_at)
         return raw.TOPIC, raw.message(chunk.data, origin.label())
 
-    def _take(self, outgoing: Iterator[tuple[str, Any]], time_ns: int,
+    def _take(self, outgoing: Iterator[tuple[str, Any]], log_ns: int,
               counts: dict[str, int]) -> None:
         for topic, message in outgoing:
             counts[topic] += 1
-            self._hold(time_ns, topic, message)
+            self._hold(log_ns, topic, message)
 
     def _tell(self, reports: Iterator[tuple[int, DiagnosticArray]]) -> None:
-        for time_ns, array in reports:
-            self._hold(time_ns, flight_health.TOPIC, array)
+        for log_ns, array in reports:
+            self._hold(log_ns, flight_health.TOPIC, array)
 
-    def _hold(self, time_ns: int, topic: str, message: Any) -> None:
-        heapq.heappush(self._heap, (time_ns, self._count, topic, message))
+    def _hold(self, log_ns: int, topic: str, message: Any) -> None:
+        heapq.heappush(self._heap, (log_ns, self._count, topic, message))
         self._count += 1
 
     def _release(self, output: Output, until: int | None) -> None:
         heap = self._heap
         while heap and (until is None or heap[0][0] <= until):
-            time_ns, _, topic, message = heapq.heappop(heap)
-            self._first = self._first or time_ns
-            self._last = max(time_ns, self._last)
+            log_ns, _, topic, message = heapq.heappop(heap)
+            self._first = self._first or max(0, log_ns)
+            self._last = max(log_ns, self._last)
             output.write(topic, self._last, message)
 
 
-def _play(capture: Capture, sensor: Sensor,
-          clock: Clock) -> Iterator[tuple[Chunk, list[Stamped], bool]]:
-    """Do as the receiver does; yield chunks, what they complete, and whether the port was lost."""
+def _play(capture: Capture, sensor: Sensor, clock: Clock, log_clock: LogClock
+          ) -> Iterator[Played]:
+    """Do as the receiver does; yield each chunk with what it completes."""
     framer, codec = sensor.framer, sensor.codec
     last: Chunk | None = None
+    moment = Moment(0, 0, 0)
     for chunk in capture.chunks():
         if last is None or chunk.opening != last.opening:
             if last:
                 rest = [(codec.decode(frame), frame) for frame in framer.flush()]
-                yield last, clock.stamp(rest) + clock.end(), True
+                yield Played(last._replace(data=b''), moment, clock.stamp(rest) + clock.end(), True)
             clock.begin(capture.byte_ns or 0)
         last = chunk
         frames = framer.feed(chunk.data)
-        read_at = chunk.read_at or 0
-        clock.read(Instant(read_at if chunk.raw_at is None else chunk.raw_at, read_at),
-                   framer.received)
-        yield chunk, clock.stamp([(codec.decode(frame), frame) for frame in frames]), False
+        moment = log_clock.observe(chunk.read_at or 0, chunk.raw_at)
+        clock.read(Instant(moment.raw_ns, moment.ros_ns), framer.received)
+        yield Played(chunk, moment, clock.stamp([(codec.decode(frame), frame) for frame in frames]))
     if last:
         rest = [(codec.decode(frame), frame) for frame in framer.flush()]
-        yield last._replace(data=b''), clock.stamp(rest) + clock.end(), False
+        yield Played(last._replace(data=b''), moment, clock.stamp(rest) + clock.end())

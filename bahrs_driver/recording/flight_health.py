@@ -16,6 +16,7 @@ from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.receiver import LinkCounters, SAMPLE_SIZE
 from bahrs_driver.recording.capture import Chunk
+from bahrs_driver.recording.log_clock import Moment
 from bahrs_driver.sensors import Sensor
 from diagnostic_msgs.msg import DiagnosticArray
 
@@ -25,7 +26,7 @@ LONGEST_SILENCE = 60 * NANOSECONDS      # that is told of every second
 
 
 class FlightHealth:
-    """Watches a capture being played. Times are ROS times in ns."""
+    """Watches a capture being played. Times are log times in ns, stamps are ROS time."""
 
     def __init__(self, sensor: Sensor, clock: Clock, settings: Mapping[str, Any]) -> None:
         """Take the sensor, the clock that stamps, and the parameters of the driver."""
@@ -33,7 +34,7 @@ class FlightHealth:
         self._health, self._clock = sensor.health, clock
         self._counters = LinkCounters()
         self._time_task = TimeTask(clock, sensor.health.stale)
-        self._now = self._due = 0
+        self._now = self._due = self._offset = 0
         self._opening: int | None = None
         self._monitor = Monitor(
             [FramingTask(sensor.framer, self._counters, settings['baud_rate'],
@@ -43,9 +44,8 @@ class FlightHealth:
              PublishingTask(self.counts, sensor.silence_timeout)],
             'bahrs_driver', settings['sensor'], lambda: self._now / NANOSECONDS)
 
-    def before(self, chunk: Chunk) -> Iterator[tuple[int, DiagnosticArray]]:
-        """Return the reports that were due before a chunk came, each with its time."""
-        now = chunk.read_at or 0
+    def before(self, now: int) -> Iterator[tuple[int, DiagnosticArray]]:
+        """Return the reports that were due before a moment, each with its time."""
         if self._opening is None:
             self._due = now
         end = min(now, self._due + LONGEST_SILENCE)
@@ -53,10 +53,10 @@ class FlightHealth:
             yield self._report(self._due)
         self._due = max(self._due, now)
 
-    def after(self, chunk: Chunk,
+    def after(self, chunk: Chunk, moment: Moment,
               batch: list[Stamped]) -> Iterator[tuple[int, DiagnosticArray]]:
         """Take a chunk and what it completed, and return a report if one is due."""
-        self._now = chunk.read_at or 0
+        self._now, self._offset = moment.log_ns, moment.offset
         seconds = self._now / NANOSECONDS
         if chunk.opening != self._opening:
             self._opening = chunk.opening
@@ -74,5 +74,6 @@ class FlightHealth:
     def _report(self, now: int) -> tuple[int, DiagnosticArray]:
         self._now, self._due = now, now + PERIOD
         array = DiagnosticArray(status=self._monitor.statuses())
-        array.header.stamp.sec, array.header.stamp.nanosec = divmod(now, NANOSECONDS)
+        array.header.stamp.sec, array.header.stamp.nanosec = divmod(
+            now + self._offset, NANOSECONDS)
         return now, array

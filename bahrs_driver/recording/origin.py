@@ -12,7 +12,7 @@ so that whoever records the topic, by whatever means, keeps the moment of the re
 
 from typing import NamedTuple
 
-END_OF_TIME = 2 ** 31 * 1_000_000_000       # ns; ROS has the seconds of a time in 32 bits
+END_OF_TIME = (2 ** 31 - 86_400) * 1_000_000_000    # ns; ROS has the seconds in 32 bits
 TOO_LARGE = 2 ** 63         # for a number in 64 bits
 
 

@@ -6,6 +6,7 @@ from collections import defaultdict
 import csv
 import json
 
+from bags import write_bag
 from bahrs_driver.convert import raw
 from bahrs_driver.convert.bahrs import TOPICS
 from bahrs_driver.emulator.pty_port import PtyPort
@@ -18,12 +19,14 @@ from emulated import emissions, make_device
 from mcap.reader import make_reader
 from processes import driver, running, wait_for
 import pytest
-from rosbags.rosbag2 import Reader
+from rosbags.rosbag2 import Reader, StoragePlugin
 from rosbags.typesys import get_typestore, Stores
 
 LONG = 60.0
+S = 1_000_000_000
+HOUR = 3600 * S
 STORE = get_typestore(Stores.ROS2_JAZZY)
-NEAR = 10 * 10 ** 9     # ns; a live stamp is what was known then, on a busy machine
+NEAR = 10 * S    # ns; a live stamp is what was known then, on a busy machine
 
 
 def convert(*words):
@@ -143,6 +146,30 @@ def test_csv(byte_file, tmp_path):
     with (tmp_path / 'csv' / 'integrity.csv').open() as file:
         states = json.loads(next(csv.DictReader(file))['status'])
     assert states[0]['message'] == 'safe'
+
+
+@pytest.mark.parametrize('plugin', StoragePlugin)
+def test_a_clock_that_was_set_back_while_recording(tmp_path, plugin):
+    """Order and spacing are kept, and the step is told, to people and to scripts."""
+    items, begin = [], 1_700_000_000 * S
+    for index, emission in enumerate(emissions(make_device(), 5.0)):
+        at = round(emission.time * S)
+        origin = Origin('bahrs', 1, 86805, begin + at - HOUR * (at > 2 * S), 7 * S + at)
+        items.append((origin.ros_ns, serialized(raw.message(emission.data, origin.label()))))
+    bag = write_bag(tmp_path / 'bag', plugin, items=items)
+    status, text = convert(bag, tmp_path / 'out', '--json')
+    assert status == 0
+    told = json.loads(text.splitlines()[-1])
+    sentence = "the host's clock was set by -3600.00"
+    assert f'bahrs convert: {sentence}' in text and sentence in told['clock_steps'][0]
+    with (tmp_path / 'out' / 'out_0.mcap').open('rb') as file:
+        found = [(channel.topic, message.log_time) for _, channel, message in make_reader(
+            file).iter_messages(log_time_order=False)]
+    times = [time for _, time in found]
+    assert times == sorted(times) and 4 * S < times[-1] - times[0] < 6 * S
+    samples = [time for topic, time in found if topic == '/imu/data_raw']
+    assert all(abs(later - sooner - S // 200) < 500_000
+               for sooner, later in zip(samples, samples[1:]))
 
 
 def test_namespace(byte_file, tmp_path):

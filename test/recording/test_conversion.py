@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of converting captures, against what the device was made to send."""
 
+import functools
 import math
+from pathlib import Path
 
 from bahrs_driver.convert.bahrs import TOPICS
 from bahrs_driver.convert.titan_m import TOPICS as TITAN_TOPICS
@@ -17,6 +19,7 @@ from bahrs_driver.recording.conversion import Conversion
 from bahrs_driver.sensors import LISTENING, SENSORS
 from emulated import decoded, emissions, make_device, make_emulation
 from polled import PolledDevice
+import pytest
 
 S = 1_000_000_000
 ORIGIN = 1_700_000_000 * S
@@ -154,6 +157,52 @@ def test_a_host_that_was_set(tmp_path):
     kept, _ = converted(Pieces(chunks, tmp_path))
     errors = {round((stamp - true) / S) for stamp, true in zip(stamps(kept), truth)}
     assert errors == {0, 3600}
+
+
+def set_clock(chunks, sets, steady=True):
+    """Return chunks of a host whose clock was set, each time from some chunk on, by seconds."""
+    return [chunk._replace(
+        read_at=chunk.read_at + S * sum(size for begin, size in sets if index >= begin),
+        raw_at=chunk.raw_at if steady else None) for index, chunk in enumerate(chunks)]
+
+
+@functools.cache
+def long_flight():
+    """Return chunks of more than messages are held back for, and what they are converted to."""
+    chunks, _ = flight(12.0)
+    kept, outcome = converted(Pieces(chunks, Path('flight')))
+    assert outcome.clock_steps == []
+    return chunks, kept
+
+
+@pytest.mark.parametrize('sets', [
+    [(300, -3600)], [(1, -3600)], [(300, 3600)], [(100, -3600), (200, 7200), (600, -1)],
+    [(700, -86400 * 365)], [(index, -1) for index in range(50, 700)]])
+def test_log_times_of_a_host_that_was_set(tmp_path, sets):
+    """Those of every topic are those of a host that was not, and the steps are told."""
+    chunks, plain = long_flight()
+    kept, outcome = converted(Pieces(set_clock(chunks, sets), tmp_path))
+    assert "the host's clock was set by " in outcome.clock_steps[0]
+    assert kept.times == sorted(kept.times)
+    for topic in plain.messages:
+        if topic != '/diagnostics':             # which is also told of the steps
+            near = [abs(now - before) for (now, _), (before, _) in zip(
+                kept.messages[topic], plain.messages[topic], strict=True)]
+            assert max(near, default=0) < 100_000, topic
+    reports = [time for time, _ in kept.messages['/diagnostics']]
+    assert max(later - sooner for sooner, later in zip(reports, reports[1:])) <= 1.1 * S
+
+
+@pytest.mark.parametrize('begin', [1, 300, 700])
+def test_log_times_without_a_steady_clock(tmp_path, begin):
+    """The order is kept, and the spacing but for the moment of the step."""
+    chunks, _ = long_flight()
+    kept, outcome = converted(Pieces(set_clock(chunks, [(begin, -3600)], False), tmp_path))
+    times = [time for time, _ in kept.messages['imu/data_raw']]
+    assert kept.times == sorted(kept.times) and len(outcome.clock_steps) == 1
+    spacing = sorted(later - sooner for sooner, later in zip(times, times[1:]))
+    assert 4_000_000 < spacing[len(spacing) // 100] and spacing[-100] < 6_000_000
+    assert 11 * S < times[-1] - times[0] < 12.1 * S
 
 
 def test_a_port_that_was_lost(tmp_path):

@@ -1,0 +1,93 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Log times that keep order and spacing while the host's clock is set.
+
+ROS time is the host's wall clock, which somebody may set in the middle of a recording. Players
+and tools go by log times, and would wait for an hour or play everything at once. So a log time is
+ROS time less all steps since the beginning of the recording: it follows a clock that is slewed,
+and goes on evenly over one that is set. Stamps of messages are left as they are.
+"""
+
+from typing import NamedTuple
+
+from bahrs_driver.clock import Instant, NANOSECONDS
+from bahrs_driver.clock.host import step_between, step_sentence
+
+MOST_STEPS = 20         # that are kept; more are counted
+LATEST = 2 ** 62        # ns; no log time is later, whatever a recording claims
+
+
+class Moment(NamedTuple):
+    """One moment of a recording on its clocks, in ns."""
+
+    log_ns: int         # never goes back
+    ros_ns: int         # as it was set at that moment
+    raw_ns: int         # on a steady clock; never goes back
+
+    @property
+    def offset(self) -> int:
+        """Nanoseconds by which ROS time had been set by then."""
+        return self.ros_ns - self.log_ns
+
+
+class Step(NamedTuple):
+    """ROS time was set."""
+
+    seconds: float      # since the beginning of the recording
+    size_ns: int
+
+
+class LogClock:
+    """Puts moments that come one after the other on log time."""
+
+    def __init__(self) -> None:
+        """Begin with the first moment that is observed."""
+        self.steps: list[Step] = []
+        self.step_count = 0
+        self._first: Moment | None = None
+        self._last = Moment(0, 0, 0)
+        self._raw_ns: int | None = None     # of the last moment, as it was given
+        self._elapsed = 0                   # between the last two moments
+        self._offset = 0
+
+    def observe(self, ros_ns: int, raw_ns: int | None) -> Moment:
+        """Return a moment with its log time; raw_ns is CLOCK_MONOTONIC_RAW, None if unknown."""
+        if self._first is None:
+            steady_ns = ros_ns if raw_ns is None else raw_ns
+            self._first = self._last = Moment(ros_ns, ros_ns, steady_ns)
+        else:
+            self._advance(ros_ns, raw_ns)
+        self._raw_ns = raw_ns
+        return self._last
+
+    def sentences(self) -> list[str]:
+        """Return a sentence for each step, for the user."""
+        found = [f'{step_sentence(step.size_ns)}, {step.seconds:.3f} s after the beginning: log '
+                 'times go on evenly, stamps follow the clock' for step in self.steps]
+        if self.step_count > len(self.steps):
+            found.append(f"the host's clock was set {self.step_count - len(self.steps)} more times")
+        return found
+
+    def _advance(self, ros_ns: int, raw_ns: int | None) -> None:
+        last = self._last
+        if raw_ns is None or self._raw_ns is None or raw_ns < self._raw_ns:
+            # Nothing tells how much time has passed: as much as before, if ROS time has gone back.
+            elapsed = ros_ns - last.ros_ns if ros_ns >= last.ros_ns else self._elapsed
+        else:
+            elapsed = raw_ns - self._raw_ns
+        self._elapsed = elapsed
+        steady_ns = last.raw_ns + elapsed
+        step = step_between(Instant(last.raw_ns, last.ros_ns), Instant(steady_ns, ros_ns))
+        self._offset += step
+        log_ns = min(LATEST, max(last.log_ns, ros_ns - self._offset))
+        self._last = Moment(log_ns, ros_ns, steady_ns)
+        if step:
+            self._note(step)
+
+    def _note(self, size_ns: int) -> None:
+        assert self._first
+        self.step_count += 1
+        if len(self.steps) < MOST_STEPS:
+            seconds = (self._last.log_ns - self._first.log_ns) / NANOSECONDS
+            self.steps.append(Step(seconds, size_ns))
