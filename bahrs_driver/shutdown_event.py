@@ -16,8 +16,6 @@ import sys
 import threading
 from typing import NoReturn
 
-from bahrs_driver.exit_timer import exit_after
-
 EXIT_TIME = 0.5             # s from the event to the end of the process
 HANDLED_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -59,6 +57,8 @@ class ShutdownEvent:
 
     def limit_exit_time(self, seconds: float = EXIT_TIME) -> None:
         """End the process with status 0 if it still runs a time in seconds after the event."""
+        from bahrs_driver.exit_timer import exit_after      # which takes a while to import
+
         def watch() -> None:
             self.wait()
             exit_after(seconds)
