@@ -28,6 +28,12 @@ class PublishingTask:
         self._latest = 0, 0.0           # messages in all, and when they were counted first
         self._latest_fault = 0, -FAULT_LIFETIME
 
+    def update(self, now: float) -> None:
+        """Look whether messages went out since the last call."""
+        published = sum(self._counts.values())
+        if published != self._latest[0]:
+            self._latest = published, now
+
     def judge(self, now: float) -> Verdict:
         """Return whether messages go out; other tasks say why none do."""
         faults = self._faults
@@ -35,10 +41,8 @@ class PublishingTask:
             self._latest_fault = faults.count, now
         if now - self._latest_fault[1] < FAULT_LIFETIME:
             return Verdict(WARN, f'Fault of the driver: {faults.last}')
-        published = sum(self._counts.values())
-        if published != self._latest[0]:
-            self._latest = published, now
-        if not published:
+        self.update(now)
+        if not self._latest[0]:
             return Verdict(STALE, 'Nothing published yet')
         if now - self._latest[1] > self._timeout:
             return Verdict(STALE, 'Nothing published just now')

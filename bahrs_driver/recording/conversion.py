@@ -112,10 +112,10 @@ class Conversion:
                        health.counts)
             if isinstance(message, NvmPage):
                 self._hold(now, nvm_page.TOPIC, nvm_page.message(message.data))
-        self._tell(health.after(chunk, moment, batch))
         if lost:
             self._take(converter.lost(moment.ros_ns), now, health.counts)
-        elif self._given.timed and chunk.data:
+        self._tell(health.after(chunk, moment, batch))
+        if self._given.timed and chunk.data:
             self._hold(now, *self._raw(chunk))
 
     def _survey(self, progress: Callable[[str], None]) -> tuple[Capture, SmoothedLines | None]:

@@ -1,7 +1,7 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The diagnostics of a flight, told once more at the flight's own times.
+The diagnostics of a flight, generated again at the flight's own times.
 
 All tasks are there but *Link*: what is recorded of a port is its bytes, not the port.
 """
@@ -36,12 +36,12 @@ class FlightHealth:
         self._time_task = TimeTask(clock, sensor.health.stale)
         self._now = self._due = self._offset = 0
         self._opening: int | None = None
+        self._publishing_task = PublishingTask(self.counts, sensor.silence_timeout)
         self._monitor = Monitor(
             [FramingTask(sensor.framer, self._counters, settings['baud_rate'],
                          settings['sensor'], sensor.protocol,
                          settings['diagnostics.damaged_share']),
-             self._time_task, *sensor.health.tasks,
-             PublishingTask(self.counts, sensor.silence_timeout)],
+             self._time_task, *sensor.health.tasks, self._publishing_task],
             'bahrs_driver', settings['sensor'], lambda: self._now / NANOSECONDS)
 
     def before(self, now: int) -> Iterator[tuple[int, DiagnosticArray]]:
@@ -68,6 +68,7 @@ class FlightHealth:
             self._time_task.notice(sentence, seconds)
         for message, _, _ in batch:
             self._health.observe(message, seconds)
+        self._publishing_task.update(seconds)
         if self._now >= self._due or self._monitor.change_due():
             yield self._report(self._now)
 
