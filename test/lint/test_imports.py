@@ -47,6 +47,7 @@ MAY_IMPORT = {
     'shutdown_event': {'exit_timer'},
     'sim_time': set(),
     'subscriber_gate': set(),
+    'launching': set(),
     'executor': set(),
     'cli': {'cli', 'doctor', 'monitor', 'report', 'convert', 'emulator', 'recording', 'sensors',
             'parameter', 'parameters', 'nvm_reader', 'whole_file', 'shutdown_event', 'fault_log',

@@ -3,26 +3,10 @@
 """Which value of a parameter is used: the last on the command line, whatever rcl makes of it."""
 
 from bahrs_driver.settings.command_line import ParameterArguments
-from bahrs_driver.settings.node_settings import NodeSettings
 from hypothesis import given, strategies as st
 import pytest
-import rclpy
-from rclpy.context import Context
+from settings_of import settings_of
 import yaml
-
-
-def values(words):
-    """Return what the parameters of a node are with the words of a command line."""
-    arguments = ParameterArguments.from_words(words)
-    context = Context()
-    context.init(words)
-    node = rclpy.create_node('bahrs_driver', context=context,
-                             cli_args=arguments.node_arguments(), start_parameter_services=False)
-    try:
-        return NodeSettings(node, arguments).values
-    finally:
-        node.destroy_node()
-        context.try_shutdown()
 
 
 @pytest.mark.parametrize('words, files, rules', [
@@ -61,16 +45,16 @@ def test_the_last_rule_beats_every_file_before_it(tmp_path_factory, files, rules
         words += ['--params-file', written(folder, number, key, 'stddev.velocity', value)]
     for value in rules:
         words += ['-p', f'stddev.velocity:={value}']
-    assert values(words)['stddev.velocity'] == rules[-1]
+    assert settings_of(words)['stddev.velocity'] == rules[-1]
 
 
 def test_a_file_after_a_rule_beats_it(tmp_path):
     """So a launch file gives global parameters first, and those of the node after them."""
     file = written(tmp_path, 0, '/**', 'stddev.velocity', 3.0)
     words = ['driver_node', '--ros-args', '-p', 'stddev.velocity:=2.0', '--params-file', file]
-    assert values(words)['stddev.velocity'] == 3.0
+    assert settings_of(words)['stddev.velocity'] == 3.0
 
 
 def test_a_default_is_used_where_nothing_is_given():
     """And a file that names another node gives nothing."""
-    assert values(['driver_node'])['stddev.velocity'] == 0.2
+    assert settings_of(['driver_node'])['stddev.velocity'] == 0.2

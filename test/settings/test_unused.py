@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Settings without effect: listed in one warning, with the reason."""
 
+from pathlib import Path
+import re
+
 from bahrs_driver.link import Link
 from bahrs_driver.parameters import defaults, PARAMETERS
 from bahrs_driver.sensors import SENSORS
@@ -10,6 +13,7 @@ from hypothesis import given, settings, strategies as st
 import pytest
 from starting import start
 
+PACKAGE = Path(__file__).resolve().parents[2] / 'bahrs_driver'
 BY_NAME = {parameter.name: parameter for parameter in PARAMETERS}
 SILENT = dict.fromkeys(RATES, 0.0)
 
@@ -42,9 +46,10 @@ class Recorded(dict):
         return super().__getitem__(name)
 
 
-# Read by the node, not by the parts of a sensor.
-OF_THE_NODE = {'sensor', 'port', 'baud_rate', 'publish.raw', 'nvm.page', 'nvm.dump_path',
-               'diagnostics.damaged_share', 'diagnostics.qualified_name'}
+# Read by the node and its services, not by the parts of a sensor.
+OF_THE_NODE = {'port', 'baud_rate'} | {
+    name for path in PACKAGE.glob('*.py') if path.name != 'parameters.py'
+    for name in re.findall(r"'([a-z_.]+)'", path.read_text())}
 
 
 @settings(max_examples=40)
@@ -126,6 +131,6 @@ def test_a_long_name_is_cut(monkeypatch, capfd):
 @pytest.mark.parametrize('name', ['bahrs', 'titan_m'])
 def test_shipped_files_have_no_setting_without_effect(monkeypatch, capfd, name):
     """Whatever the node is called, and in any namespace."""
-    file = f'{__file__.rpartition("/test/")[0]}/config/{name}.yaml'
+    file = str(PACKAGE.parent / 'config' / f'{name}.yaml')
     assert start(monkeypatch, capfd, '--params-file', file, '-p', 'port:=/nowhere',
                  '-r', '__node:=front', '-r', '__ns:=/left') == (0, [])

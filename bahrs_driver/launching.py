@@ -1,0 +1,90 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What the launch files of this package describe: one driver node, and its launch arguments.
+
+A value reaches the node from an argument that is given, else from the parameter file, else it is
+the default of the driver: an argument that is not given passes nothing on.
+
+Launch keeps arguments in the scope of whoever includes a file, and the next file that is included
+there finds them. So everything here happens in a scope of its own, and a value that an earlier
+include of ours has used is marked, so that a later one takes it for not given. It stays what it
+was for everybody else. A namespace for several drivers is given to each include.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
+from launch.actions import DeclareLaunchArgument, GroupAction, LogInfo, OpaqueFunction
+from launch.substitutions import PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.descriptions import Parameter
+from launch_ros.substitutions import FindPackageShare
+
+PACKAGE = 'bahrs_driver'
+ARGUMENTS = ('port', 'name', 'namespace', 'params_file')
+
+
+class UsedValue(str):
+    """The value of an argument that was given to an earlier include of one of our files."""
+
+
+def describe_driver(config: str, sensor: str = '') -> LaunchDescription:
+    """Return a driver with a parameter file of this package, and perhaps the sensor, by default."""
+    share = FindPackageShare(PACKAGE)
+    return LaunchDescription([
+        GroupAction([
+            OpaqueFunction(function=_drop_used_values),
+            DeclareLaunchArgument(
+                'port', default_value='',
+                description='serial port: a path, or a pyserial URL (default: as params_file '
+                            'says, or /dev/ttyUSB0)'),
+            DeclareLaunchArgument('name', default_value=PACKAGE, description='name of the node'),
+            DeclareLaunchArgument('namespace', default_value='',
+                                  description='namespace of the node and its topics'),
+            DeclareLaunchArgument(
+                'params_file', default_value=PathJoinSubstitution([share, 'config', config]),
+                description='parameter file, with a key for the node, such as /**'),
+            OpaqueFunction(function=_start_node, args=[sensor]),
+        ], scoped=True),
+        OpaqueFunction(function=_mark_used_values),
+    ])
+
+
+def _start_node(context: LaunchContext, sensor: str) -> list[LaunchDescriptionEntity]:
+    values = {name: str(context.launch_configurations[name]) for name in ARGUMENTS}
+    if not Path(values['params_file']).is_file():       # launch_ros would go on without it
+        raise FileNotFoundError(f"params_file:={values['params_file']} is not a file")
+    given = {'sensor': sensor, 'port': values['port']}
+    return [Node(
+        package=PACKAGE, executable='driver_node', output='screen',
+        name=values['name'], namespace=values['namespace'],
+        # Rules on the command line: they beat whatever name the file has for the node.
+        parameters=[values['params_file'],
+                    *(Parameter(name, value, value_type=str)
+                      for name, value in given.items() if value)])]
+
+
+def _drop_used_values(context: LaunchContext) -> list[LaunchDescriptionEntity]:
+    """Forget, within the scope, what was given to an earlier include."""
+    return [_dropped(context, name) for name in _used_names(context)]
+
+
+def _dropped(context: LaunchContext, name: str) -> LaunchDescriptionEntity:
+    value = context.launch_configurations.pop(name)
+    return LogInfo(msg=f'{name}:={value} was given to an earlier include of {PACKAGE} and is not '
+                       'used here: give it to this one, too, if it is for both')
+
+
+def _used_names(context: LaunchContext) -> Iterator[str]:
+    values = context.launch_configurations
+    return (name for name in ARGUMENTS if isinstance(values.get(name), UsedValue))
+
+
+def _mark_used_values(context: LaunchContext) -> None:
+    """Mark what is left in the scope of whoever included the file."""
+    values = context.launch_configurations
+    for name in ARGUMENTS:
+        if name in values:
+            values[name] = UsedValue(values[name])
