@@ -9,8 +9,6 @@ from bahrs_driver.protocol.integrity import Integrity
 
 LEVELS = {Integrity.SAFE: OK, Integrity.INTEGRITY_RISK: WARN,
           Integrity.UNAVAILABLE: ERROR, Integrity.RESERVED: ERROR}
-WORDS = {Integrity.SAFE: 'safe', Integrity.INTEGRITY_RISK: 'integrity risk',
-         Integrity.UNAVAILABLE: 'unavailable', Integrity.RESERVED: 'undefined pattern 11'}
 
 
 class SignalsTask:
@@ -30,7 +28,7 @@ class SignalsTask:
 
     def judge(self, now: float) -> Verdict:
         """Return the worst level, and which signals are not safe."""
-        troubled = [f'{name} {WORDS[state]}' for name, state in self._signals.items()
+        troubled = [f'{name} {state.words}' for name, state in self._signals.items()
                     if state is not None and state is not Integrity.SAFE]
         known = [state for state in self._signals.values() if state is not None]
         if not known or self._stale(now):
@@ -40,5 +38,5 @@ class SignalsTask:
 
     def values(self, now: float) -> Mapping[str, str]:
         """Return the integrity of each signal."""
-        return {name: 'not heard' if state is None else WORDS[state]
+        return {name: 'not heard' if state is None else state.words
                 for name, state in self._signals.items()}

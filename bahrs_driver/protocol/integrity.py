@@ -33,6 +33,11 @@ class Integrity(IntEnum):
         """Name as it appears in text output: ``safe``, ``integrity_risk``, ..."""
         return self.name.lower()
 
+    @property
+    def words(self) -> str:
+        """Name as it appears in sentences: ``safe``, ``integrity risk``, ..."""
+        return self.label.replace('_', ' ')
+
 
 Health = tuple[Integrity, ...]
 

@@ -12,7 +12,7 @@ from bahrs_driver.report.timeline import Array
 import numpy as np
 
 WORDS = {Integrity.INTEGRITY_RISK: 'at integrity risk', Integrity.UNAVAILABLE: 'unavailable',
-         Integrity.RESERVED: 'of undefined integrity'}
+         Integrity.RESERVED: 'reserved'}
 MUCH = 1.0              # s in all, above which it is a warning
 NAMED = 3               # stretches that are named one by one
 GAP = 0.5               # s without a sample that end a stretch: nothing is known of them

@@ -20,8 +20,6 @@ LEFT, RIGHT, TOP, BOTTOM = 1.35, 0.25, 0.3, 0.5     # inches around the panels
 COLOURS = ('#1f77b4', '#d62728', '#2ca02c')
 BANDS = {Integrity.SAFE: '#8bc98b', Integrity.INTEGRITY_RISK: '#f2b134',
          Integrity.UNAVAILABLE: '#d9534f', Integrity.RESERVED: '#7d3c98'}
-BAND_NAMES = {Integrity.SAFE: 'safe', Integrity.INTEGRITY_RISK: 'integrity risk',
-              Integrity.UNAVAILABLE: 'unavailable', Integrity.RESERVED: 'undefined'}
 LONG = 7200             # s, from which on hours are counted
 NARROWEST_BAND = 0.002  # of the whole time: a signal lost for a moment shows, too
 MOST_BANDS = 2000       # of a signal; with more, each pixel shows the worst there was
@@ -43,7 +41,7 @@ def integrity_bands(recording: Recording) -> Figure:
     axes.tick_params(axis='y', length=0)
     seen = {int(state) for _, signals, index in rows
             for state in np.unique(signals.health[:, index])}
-    axes.legend(handles=[Patch(color=BANDS[state], label=BAND_NAMES[state])
+    axes.legend(handles=[Patch(color=BANDS[state], label=state.words)
                          for state in BANDS if state in seen or state is Integrity.SAFE],
                 loc='lower right', bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False)
     _time_axis(axes, recording.duration)

@@ -164,7 +164,7 @@ def test_a_device_of_an_unknown_version_is_told():
     ({'roll': SAFE, 'pitch': SAFE}, OK, 'All signals safe'),
     ({'roll': SAFE, 'pitch': RISK}, WARN, 'pitch integrity risk'),
     ({'roll': GONE, 'pitch': RISK}, ERROR, 'roll unavailable, pitch integrity risk'),
-    ({'roll': RESERVED, 'pitch': SAFE}, ERROR, 'roll undefined pattern 11'),
+    ({'roll': RESERVED, 'pitch': SAFE}, ERROR, 'roll reserved'),
     ({'roll': SAFE, 'pitch': None}, OK, 'All signals safe'),
 ])
 def test_integrity(signals, level, message):
