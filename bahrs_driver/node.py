@@ -19,6 +19,7 @@ from bahrs_driver.diagnostics.self_test import answer
 from bahrs_driver.diagnostics.task import Task
 from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.fault_log import FaultLog
+from bahrs_driver.latched_publisher import create_latched
 from bahrs_driver.link import Link, Reading
 from bahrs_driver.nvm_services import NvmServices
 from bahrs_driver.parameter import ParameterError
@@ -36,7 +37,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import NameValidationException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.time import Time
 from sensor_msgs.msg import TimeReference
@@ -71,10 +72,13 @@ class DriverNode(Node):
         self._problems = self._make_problem_log()
         self._gate = SubscriberGate(settings['startup.wait_for_subscribers'])
         self._reporting = Lock()        # or an older report could overtake a newer one
-        self._data = {topic: self._publisher(message_type, topic, topic in sensor.latched)
+        self._latched = {topic: create_latched(self, message_type, topic, self._publisher)
+                         for topic, message_type in sensor.topics.items()
+                         if topic in sensor.latched}
+        self._data = {topic: self._latched.get(topic) or self._publisher(message_type, topic)
                       for topic, message_type in sensor.topics.items()}
         self._sensor_name, self._byte_ns = settings['sensor'], 0
-        self._heard_ns = 0              # stamp of what was heard last
+        self._silence_due = 0.0         # time.monotonic(); until then a new link may be silent
         self._raw = None
         if settings['publish.raw']:
             self._raw = self._publisher(UInt8MultiArray, raw.TOPIC)
@@ -116,6 +120,7 @@ class DriverNode(Node):
     def link_opened(self) -> None:
         """Note that another stream begins."""
         self._byte_ns = self._link.byte_time_ns
+        self._silence_due = time.monotonic() + self._sensor.silence_timeout
         self._log.info(f'{self._link.name} is open')
         self._sensor.health.opened()
         if self._sensor.requester:
@@ -135,6 +140,8 @@ class DriverNode(Node):
     def bytes_read(self, reading: Reading) -> None:
         """Publish the bytes of a read, if they are wanted."""
         self._notice_silence()
+        for publisher in self._latched.values():
+            publisher.flush()
         if self._raw:
             origin = Origin(self._sensor_name, self.receiver.counters.times_opened,
                             self._byte_ns, reading.now.ros_ns, reading.now.raw_ns)
@@ -145,10 +152,9 @@ class DriverNode(Node):
         self._notice_silence()
 
     def _notice_silence(self) -> None:
-        if self._heard_ns and self._sensor.health.stale(time.monotonic()):
-            # Under the earliest time: whatever comes next is later.
-            self._publish(self._sensor.converter.silent(self._heard_ns + 1))
-            self._heard_ns = 0
+        now = time.monotonic()
+        if now > self._silence_due and self._sensor.health.stale(now):
+            self._publish(self._sensor.converter.silent(time.time_ns()))
 
     def received(self, batch: list[Received]) -> None:
         """Publish what the messages of one read become."""
@@ -163,7 +169,6 @@ class DriverNode(Node):
                 self._publish(sensor.converter.convert(message, stamp_ns))
             except Exception as error:
                 self.faults.report(f'publishing {message.NAME}', error)
-        self._heard_ns = max(stamp_ns for *_, stamp_ns in batch)
         self._report_change()
 
     def _report_change(self) -> None:
@@ -173,7 +178,9 @@ class DriverNode(Node):
                 self._publish_report()
 
     def _watch(self) -> None:
-        """Report what changes because nothing arrives."""
+        """Report what changes because nothing arrives, and serve subscribers that lag."""
+        for publisher in self._latched.values():
+            publisher.supervise()
         self._report_change()
         # Why the port is not open was logged when it closed.
         is_open = self.receiver.counters.open_since is not None
@@ -239,12 +246,11 @@ class DriverNode(Node):
                            'Framing': f'{port}: frames arrive intact'},
                           logger.error, logger.info)
 
-    def _publisher(self, message_type: type, topic: str, latched: bool = False) -> Publisher:
-        profile = QoSProfile(depth=QUEUE_DEPTH)
-        if latched:
-            profile.durability = DurabilityPolicy.TRANSIENT_LOCAL
+    def _publisher(self, message_type: type, topic: str,
+                   profile: QoSProfile | None = None) -> Publisher:
         return self.create_publisher(
-            message_type, topic, profile, event_callbacks=self._gate.callbacks(),
+            message_type, topic, profile or QoSProfile(depth=QUEUE_DEPTH),
+            event_callbacks=self._gate.callbacks(),
             qos_overriding_options=QoSOverridingOptions.with_default_policies())
 
 

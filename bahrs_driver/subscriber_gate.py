@@ -10,11 +10,18 @@ port only when all its topics have a subscriber loses nothing to it.
 
 from collections.abc import Callable, Mapping
 import threading
+from typing import Protocol
 
 from rclpy.event_handler import PublisherEventCallbacks
-from rclpy.publisher import Publisher
 
 Write = Callable[[str], object]
+
+
+class Counting(Protocol):
+    """A publisher that knows how many subscribers it has."""
+
+    def get_subscription_count(self) -> int:
+        """Return the number of matched subscribers."""
 
 
 class SubscriberGate:
@@ -36,7 +43,7 @@ class SubscriberGate:
             self._open = True
             self._changed.notify_all()
 
-    def wait(self, publishers: Mapping[str, Publisher], write_info: Write,
+    def wait(self, publishers: Mapping[str, Counting], write_info: Write,
              write_warning: Write) -> None:
         """Wait until each publisher has a subscriber, and log which have none in the end."""
         if self._open:

@@ -108,14 +108,15 @@ class BahrsConverter:
         return self._notice.signals
 
     def lost(self, stamp_ns: int) -> Outgoing:
-        """Forget the stream, which ended at stamp_ns, and return what is to be said about it."""
+        """Forget the stream; return the notice that no signal is known. stamp_ns is present."""
         self._forget()
-        return iter([('integrity', self._notice.forget(stamp_ns, self._options.frame_id))])
+        return self.silent(stamp_ns)
 
     def silent(self, stamp_ns: int) -> Outgoing:
-        """Return the notice that no signal is known since stamp_ns, if any was."""
-        if any(state is not None for state in self.signals.values()):
-            yield 'integrity', self._notice.forget(stamp_ns, self._options.frame_id)
+        """Return the notice that no signal is known, if that is new. stamp_ns is present."""
+        notice = self._notice.forget(stamp_ns, self._options.frame_id)
+        if notice is not None:
+            yield 'integrity', notice
 
     def convert(self, message: object, stamp_ns: int) -> Outgoing:
         """

@@ -9,6 +9,7 @@ and all of them together tell for every sample in a bag what it was worth.
 
 from collections.abc import Sequence
 
+from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.convert import ros
 from bahrs_driver.protocol.integrity import Health, Integrity
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -17,32 +18,52 @@ LEVELS = {Integrity.SAFE: DiagnosticStatus.OK, Integrity.INTEGRITY_RISK: Diagnos
           Integrity.UNAVAILABLE: DiagnosticStatus.ERROR,
           Integrity.RESERVED: DiagnosticStatus.ERROR, None: DiagnosticStatus.STALE}
 NOT_HEARD = 'not_heard'
+SET_BACK = NANOSECONDS
 
 
 class IntegrityNotice:
-    """Remembers the integrity of all signals, and tells of changes."""
+    """
+    Remembers the integrity of all signals, and returns a notice of each change.
+
+    Stamps of notices never decrease, though some are of samples and others of the host: only a
+    clock that was set back by more than SET_BACK is followed.
+    """
 
     def __init__(self, signals: Sequence[str]) -> None:
         """Begin with signals of which nothing was heard."""
         self.signals: dict[str, Integrity | None] = dict.fromkeys(signals)
         self._last: dict[tuple[str, ...], Health] = {}
+        self._sampled = 0           # stamp of the latest sample
+        self._published = 0         # stamp of the latest notice
 
     def update(self, names: tuple[str, ...], health: Health, stamp_ns: int,
                frame_id: str) -> DiagnosticArray | None:
         """Take the health of one sample; return a notice if it differs from the last one's."""
+        self._sampled = stamp_ns
         if self._last.get(names) == health:
             return None
         self._last[names] = health
         self.signals.update(zip(names, health))
         return self._notice(stamp_ns, frame_id)
 
-    def forget(self, stamp_ns: int, frame_id: str) -> DiagnosticArray:
-        """Return the notice that nothing is known of any signal any more."""
+    def forget(self, stamp_ns: int, frame_id: str) -> DiagnosticArray | None:
+        """
+        Forget all signals; return a notice if that is a change, or the first notice at all.
+
+        Its stamp is just after the latest sample, so that any sample to come is later. stamp_ns,
+        the present time, is for a stream that had no sample.
+        """
+        known = any(state is not None for state in self.signals.values())
+        if self._published and not known:
+            return None
         self._last.clear()
         self.signals.update(dict.fromkeys(self.signals))
-        return self._notice(stamp_ns, frame_id)
+        return self._notice(self._sampled + 1 if self._sampled else stamp_ns, frame_id)
 
     def _notice(self, stamp_ns: int, frame_id: str) -> DiagnosticArray:
+        if stamp_ns > self._published - SET_BACK:
+            stamp_ns = max(stamp_ns, self._published)
+        self._published = stamp_ns
         return DiagnosticArray(header=ros.header(stamp_ns, frame_id), status=[
             _status(name, integrity) for name, integrity in self.signals.items()])
 

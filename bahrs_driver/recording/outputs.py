@@ -27,8 +27,8 @@ class BagOutput:
     def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
         """Take all topics, and those of which late joiners get the last message."""
         self._bag.add_topics(Topic(self._name(topic), type_name(kind), (profile(
-            'keep_last', QUEUE_DEPTH, 'reliable',
-            'transient_local' if topic in latched else 'volatile'),))
+            'keep_last', 1, 'reliable', 'transient_local') if topic in latched else profile(
+                'keep_last', QUEUE_DEPTH, 'reliable', 'volatile'),))
             for topic, kind in topics.items())
 
     def write(self, topic: str, time_ns: int, message: Any) -> None:

@@ -1,0 +1,123 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Publish states so that a late joiner gets the present one and no live subscriber loses a change.
+
+A transient-local publisher sends its whole history to a late joiner, oldest first. Only a history
+of one message makes the present state the first one that it gets. But with keep last 1 Fast DDS
+replaces a message also while a subscriber has not acknowledged it, and if that subscriber has
+missed it, in a process that was stopped or on a lossy network, it is gone.
+
+So a change waits until the one before is acknowledged, which takes some 6 ms on one machine. If a
+subscriber does not acknowledge for PATIENCE, all changes go to a second, deep publisher of the
+same topic, so that other subscribers need not wait. It keeps them in order for the one that lags.
+When everything is acknowledged, the present state is published once more on the first publisher,
+and the second one is destroyed. A late joiner in that time may get older states first.
+
+An owner who gives the publisher another depth, by qos_overrides, gets an ordinary one.
+"""
+
+from collections import deque
+from collections.abc import Callable
+from threading import Lock
+import time
+from typing import Any, NamedTuple
+
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
+
+PATIENCE = 0.1          # s
+BACKLOG = 100           # changes that are kept for a subscriber that lags
+NO_WAIT = Duration(nanoseconds=0)
+
+
+class _Waiting(NamedTuple):
+    since: float
+    message: Any
+
+
+class LatchedPublisher:
+    """Publishes states; publish() and flush() may be called from any thread."""
+
+    def __init__(self, latest: Publisher, create: Callable[[], Publisher],
+                 destroy: Callable[[Publisher], object], wait: bool = True,
+                 clock: Callable[[], float] = time.monotonic) -> None:
+        """
+        Use a transient-local publisher of depth 1.
+
+        create returns another one of depth BACKLOG, and destroy destroys that. Unless wait is
+        true, every state is published at once on the first one.
+        """
+        self._latest, self._create, self._destroy = latest, create, destroy
+        self._wait, self._clock = wait, clock
+        self._lock = Lock()
+        self._backlog: Publisher | None = None
+        self._waiting: deque[_Waiting] = deque()
+        self._present: Any = None
+
+    def get_subscription_count(self) -> int:
+        """Return the number of matched subscribers."""
+        return self._latest.get_subscription_count()
+
+    def publish(self, message: Any) -> None:
+        """Publish a state now, or once the one before is acknowledged."""
+        with self._lock:
+            self._waiting.append(_Waiting(self._clock(), message))
+            self._flush()
+
+    def flush(self) -> None:
+        """Publish what waits if it can be published now. Costs nothing if nothing waits."""
+        if self._waiting:
+            with self._lock:
+                self._flush()
+
+    def supervise(self) -> None:
+        """
+        Begin or end to publish for subscribers that lag.
+
+        Call it some ten times a second, on the thread that spins the node: publishers are created
+        and destroyed here.
+        """
+        if not self._waiting and not self._backlog:
+            return
+        with self._lock:
+            self._flush()
+            if self._backlog:
+                self._end_backlog(self._backlog)
+            elif self._waiting and self._clock() - self._waiting[0].since > PATIENCE:
+                self._backlog = self._create()
+                self._flush()
+
+    def _flush(self) -> None:
+        while self._waiting and self._may_publish():
+            self._present = self._waiting.popleft().message
+            (self._backlog or self._latest).publish(self._present)
+
+    def _may_publish(self) -> bool:
+        if self._backlog or not self._wait:
+            return True
+        # Nothing waits forever, should supervise() not be called.
+        return _acknowledged(self._latest) or len(self._waiting) > BACKLOG
+
+    def _end_backlog(self, backlog: Publisher) -> None:
+        if _acknowledged(self._latest) and _acknowledged(backlog):
+            self._latest.publish(self._present)
+            self._destroy(backlog)
+            self._backlog = None
+
+
+def _acknowledged(publisher: Publisher) -> bool:
+    return publisher.wait_for_all_acked(NO_WAIT)
+
+
+def create_latched(node: Node, message_type: type, topic: str,
+                   create: Callable[[type, str, QoSProfile], Publisher]) -> LatchedPublisher:
+    """Return a publisher of states on a topic; create applies the user's qos_overrides."""
+    profile, deep = (QoSProfile(depth=depth, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+                     for depth in (1, BACKLOG))
+    latest = create(message_type, topic, profile)
+    return LatchedPublisher(
+        latest, lambda: node.create_publisher(message_type, topic, deep), node.destroy_publisher,
+        wait=profile.depth == 1 and profile.history is HistoryPolicy.KEEP_LAST)
