@@ -2,8 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `driver_node`: it handles signals before its imports, which take a second or two."""
 
+import sys
 from typing import NoReturn
 
+from bahrs_driver.ros_start import check_import, missing_module, RosStartError
 from bahrs_driver.shutdown_event import end_process, ShutdownEvent
 
 
@@ -12,5 +14,11 @@ def main() -> NoReturn:
     shutdown = ShutdownEvent()
     shutdown.install_signal_handlers()
     shutdown.limit_exit_time()
-    from bahrs_driver.node_process import run
+    try:
+        check_import()
+        from bahrs_driver.node_process import run
+    except (RosStartError, ImportError) as error:
+        reason = missing_module(error) if isinstance(error, ImportError) else error
+        print('bahrs_driver:', reason, file=sys.stderr)
+        end_process(1)
     end_process(run(shutdown))

@@ -10,10 +10,10 @@ from bahrs_driver.executor import DrainingExecutor
 from bahrs_driver.exit_timer import exit_after
 from bahrs_driver.node import DriverNode
 from bahrs_driver.parameter import ParameterError
-from bahrs_driver.settings.start_errors import explain
+from bahrs_driver.printable import printable
+from bahrs_driver.ros_start import init_ros, RosStartError, start_errors
 from bahrs_driver.shutdown_event import EXIT_TIME, ShutdownEvent
 import rclpy
-from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 SERVICE_THREADS = 3         # so that a service that takes long holds up nothing
@@ -25,12 +25,12 @@ def run(shutdown: ShutdownEvent) -> int:
     if shutdown.is_set():       # while this module was imported
         return 0
     try:
-        try:
+        with start_errors(sys.argv):
             node = _start()
-        except Exception as error:
-            print('bahrs_driver:', explain(error, sys.argv), file=sys.stderr)
-            return 1
         _run_node(node, shutdown)
+    except RosStartError as error:
+        print('bahrs_driver:', error, file=sys.stderr)
+        return 1
     finally:
         rclpy.try_shutdown()
     return 0
@@ -38,8 +38,12 @@ def run(shutdown: ShutdownEvent) -> int:
 
 def _start() -> DriverNode:
     _check_words(remove_ros_args(sys.argv)[1:])
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    return DriverNode()
+    no_log_files = init_ros(sys.argv)
+    node = DriverNode()
+    if no_log_files:
+        node.get_logger().warning(  # type: ignore[no-untyped-call]
+            f'logs are not written to files: {printable(no_log_files)}; set ROS_LOG_DIR')
+    return node
 
 
 def _run_node(node: DriverNode, shutdown: ShutdownEvent) -> None:

@@ -5,19 +5,24 @@
 import argparse
 from collections.abc import Iterator
 import contextlib
+from importlib.util import find_spec
 import json
 import os
 from pathlib import Path
 import sys
 
-from bahrs_driver.doctor import listening, ros_environment, usb_port
-from bahrs_driver.doctor.finding import Finding, Level
+from bahrs_driver.doctor import listening, ros_environment, ros_logging, usb_port
+from bahrs_driver.doctor.finding import Finding, Level, problem
 from bahrs_driver.doctor.machine import Machine
+from bahrs_driver.printable import printable
+from bahrs_driver.ros_start import check_import, RosStartError, start_errors
 from rich.console import Console
 from rich.text import Text
 
 DEFAULT_PORT = '/dev/ttyUSB0'
+LONGEST_LINE = 2000     # characters of a message or command
 _BY_ROS2 = 'ros2 run bahrs_driver driver_node'
+_BEFORE_START = ('middleware', 'domain', 'logging')      # checks without which ROS cannot start
 _STYLES = {Level.OK: 'green', Level.ADVICE: 'yellow', Level.PROBLEM: 'bold red'}
 _EXAMPLES = """examples:
   bahrs doctor                                  the only adapter that is plugged in
@@ -54,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Look at everything; 1 if there is a problem."""
     has_rclpy = _has_rclpy()
-    if has_rclpy:
+    if 'rclpy' in sys.modules:
         from bahrs_driver.cli.ros import checked_namespace      # needs ROS
         options.namespace = checked_namespace(options.namespace)
     findings = []
@@ -88,34 +93,44 @@ def _findings(options: argparse.Namespace, has_rclpy: bool) -> Iterator[Finding]
         yield from listening.look(str(machine.path(port)) if '://' not in port else port,
                                   options.baud_rate, ask=options.ask)
     may_join = has_rclpy
-    for finding in ros_environment.look(machine.environment, has_rclpy, Path(sys.prefix)):
+    for finding in _of_ros(machine, has_rclpy):
         yield finding
-        if finding.check in ('middleware', 'domain') and finding.level is Level.PROBLEM:
+        if finding.check in _BEFORE_START and finding.level is Level.PROBLEM:
             may_join = False            # ROS would not start
     if may_join:
-        yield from _graph(options.namespace, port)
+        yield from _graph(options, port)
+
+
+def _of_ros(machine: Machine, has_rclpy: bool) -> Iterator[Finding]:
+    yield from ros_environment.look(machine.environment, has_rclpy, Path(sys.prefix))
+    if has_rclpy:
+        yield from ros_logging.look(machine.environment)
 
 
 def _has_rclpy() -> bool:
-    # Before anything is said: from PyPI, rclpy may start Python anew to set up its libraries.
+    # Before anything is printed: from PyPI, rclpy may restart Python to set up its libraries.
     try:
+        check_import()
         import rclpy  # noqa: F401
     except ImportError:
         return False
+    except RosStartError:
+        return find_spec('rclpy') is not None       # importing it would end the process
     return True
 
 
-def _graph(namespace: str, port: str) -> Iterator[Finding]:
-    from bahrs_driver.doctor import graph       # needs ROS, and the doctor must run without
+def _graph(options: argparse.Namespace, port: str) -> Iterator[Finding]:
+    from bahrs_driver.cli.ros import ros_session        # needs ROS, the doctor must run without
+    from bahrs_driver.doctor import graph
     import rclpy
-    from rclpy.signals import SignalHandlerOptions
-    # ROS's own handlers would shut down beside us, from another thread.
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     try:
-        yield from graph.look(
-            rclpy.create_node(f'bahrs_doctor_{os.getpid()}', namespace=namespace), port)
-    finally:
-        rclpy.try_shutdown()
+        with ros_session(options):
+            with start_errors(options.ros_arguments):
+                node = rclpy.create_node(f'bahrs_doctor_{os.getpid()}',
+                                         namespace=options.namespace)
+            yield from graph.look(node, port)
+    except RosStartError as error:
+        yield problem('start', str(error), 'printenv | grep -E "^(ROS|RMW|RCUTILS|FASTDDS)"')
 
 
 def _usual_port(machine: Machine) -> str:
@@ -137,6 +152,11 @@ def _rule() -> str:
 
 def _show(console: Console, finding: Finding) -> None:
     line = Text(f'{finding.level.value:<8}', _STYLES[finding.level])
-    console.print(line + Text(f'{finding.check}: ', 'bold') + Text(finding.message))
+    console.print(line + Text(f'{finding.check}: ', 'bold') + Text(_shown(finding.message)))
     if finding.command:
-        console.print(Text(f'{"":<8}-> ', 'dim') + Text(finding.command, 'cyan'))
+        console.print(Text(f'{"":<8}-> ', 'dim') + Text(_shown(finding.command), 'cyan'))
+
+
+def _shown(text: str) -> str:
+    # Names of devices, processes, nodes and variables are in it, which are not ours.
+    return printable(text, LONGEST_LINE)

@@ -6,11 +6,14 @@ import argparse
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 import os
-import signal
 import sys
 
+from bahrs_driver.cli import ros_arguments
 from bahrs_driver.cli.errors import CommandError
-from bahrs_driver.cli.signals import heeded
+from bahrs_driver.cli.signals import interrupt_on_signals
+from bahrs_driver.printable import printable
+from bahrs_driver.ros_start import check_import, missing_module, RosStartError
+from bahrs_driver.shutdown_event import ignore_signals
 
 # Each verb is the module of its name; only the one asked for is imported, so that those that
 # need no ROS work without it.
@@ -26,6 +29,9 @@ VERBS = {
     'report': 'write a page about a recording, for people',
 }
 
+IMPORT_RCLPY = ('convert', 'monitor', 'record')
+ROS_NODES = ('doctor', 'monitor', 'record')     # verbs that hand on what follows --ros-args
+
 _STATUS = 'exit status'
 _EXIT_STATUS = (f'{_STATUS}: 0 if it is done, 1 if it cannot be done or something is wrong,\n'
                 '2 if the command line is, 130 at Ctrl-C')
@@ -40,17 +46,12 @@ _EPILOG = f"""examples:
 
 def main(args: list[str] | None = None) -> int:
     """Run one verb; 0 on success, 1 on failure, 2 on a mistake in the command line."""
-    words = sys.argv[1:] if args is None else args
+    words, for_ros = ros_arguments.split(sys.argv[1:] if args is None else args)
     verb = words[0] if words else ''
-    # What Ctrl-C tidies up is tidied up when somebody ends us in another way, too.
-    for kind in heeded((signal.SIGTERM, signal.SIGHUP)):
-        signal.signal(kind, signal.default_int_handler)
     try:
-        options = _parser(verb).parse_args(words)
-        status: int = options.run(options)
-        sys.stdout.flush()
-        return status
-    except CommandError as error:
+        interrupt_on_signals()
+        return _run(verb, words, for_ros)
+    except (CommandError, RosStartError) as error:
         print(f'bahrs {verb}: {error}', file=sys.stderr)
         return 1
     except KeyboardInterrupt:
@@ -63,6 +64,20 @@ def main(args: list[str] | None = None) -> int:
         print(f'bahrs {verb}: cannot go on: {error}', file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
+    finally:
+        if args is None:
+            ignore_signals()
+
+
+def _run(verb: str, words: list[str], for_ros: list[str]) -> int:
+    options = _parser(verb).parse_args(words)
+    options.ros_arguments = for_ros
+    if len(for_ros) > 1 and verb not in ROS_NODES:
+        print(f'bahrs {verb}: {printable(" ".join(for_ros))} has no effect: this verb is no node '
+              'of ROS', file=sys.stderr)
+    status: int = options.run(options)
+    sys.stdout.flush()
+    return status
 
 
 def _version() -> str:
@@ -91,8 +106,9 @@ def _parser(chosen: str) -> argparse.ArgumentParser:
 
 
 def _module(verb: str):  # type: ignore[no-untyped-def]
+    if verb in IMPORT_RCLPY:
+        check_import()
     try:
         return import_module(f'bahrs_driver.cli.{verb}')
-    except ModuleNotFoundError as error:
-        raise CommandError(f'the Python module {error.name} is missing; install it, or source '
-                           'the set-up of your ROS 2') from error
+    except ImportError as error:
+        raise CommandError(missing_module(error)) from error

@@ -3,17 +3,18 @@
 """`bahrs monitor`: the driver's topics, live."""
 
 import argparse
+import contextlib
 import json
 import math
 import os
 import time
 
-from bahrs_driver.cli.ros import check_domain, checked_namespace
+from bahrs_driver.cli.ros import checked_namespace, ros_session
 from bahrs_driver.monitor.page import Page
 from bahrs_driver.monitor.tables import record, tables
 from bahrs_driver.monitor.watch import Watch
+from bahrs_driver.ros_start import start_errors
 import rclpy
-from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.live import Live
 
@@ -44,21 +45,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Watch until the time is up or Ctrl-C; 1 if no driver was heard."""
     namespace = checked_namespace(options.namespace)
-    check_domain()
-    # ROS's own handlers would shut down beside us, from another thread.
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node(f'bahrs_monitor_{os.getpid()}', namespace=namespace)
-    watch, console = Watch(node), Console()
+    console = Console()
     end = math.inf if options.duration is None else time.monotonic() + options.duration
-    try:
-        if console.is_terminal and not options.json:
-            _show(watch, console, end)
-        else:
-            _listen(watch, end)
-    except KeyboardInterrupt:
-        pass
-    finally:
-        rclpy.try_shutdown()
+    with ros_session(options):
+        with start_errors(options.ros_arguments):
+            node = rclpy.create_node(f'bahrs_monitor_{os.getpid()}', namespace=namespace)
+            watch = Watch(node)
+        with contextlib.suppress(KeyboardInterrupt):
+            if console.is_terminal and not options.json:
+                _show(watch, console, end)
+            else:
+                _listen(watch, end)
     if options.json:
         print(json.dumps(record(watch), ensure_ascii=False))
     else:

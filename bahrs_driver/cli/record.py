@@ -13,15 +13,14 @@ import time
 
 from bahrs_driver.cli.arguments import positive
 from bahrs_driver.cli.errors import CommandError
-from bahrs_driver.cli.ros import check_domain, check_node_name, checked_namespace
+from bahrs_driver.cli.ros import check_node_name, checked_namespace, ros_session
 from bahrs_driver.cli.signals import ENDING, heeded
 from bahrs_driver.fault_log import FaultLog
 from bahrs_driver.recording.bag_output import BagWriter
 from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.recording.recorder import NANOSECONDS, RAW, Recorder
+from bahrs_driver.ros_start import start_errors
 from bahrs_driver.shutdown_event import ShutdownEvent
-import rclpy
-from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 
 WRITE_PERIOD = 0.25             # s; with HOLD the most that a kill costs
@@ -70,17 +69,17 @@ def run(options: argparse.Namespace) -> int:
     """Record until the time is up or a signal ends it; 1 if there was nothing, or no room."""
     options.namespace = checked_namespace(options.namespace)
     check_node_name(options.node)
-    check_domain()
     folder = options.output or time.strftime('bahrs_%Y_%m_%d-%H_%M_%S')
     failure = ''
     faults = FaultLog(lambda text: print(f'bahrs record: {text}', file=sys.stderr), str)
-    with _ending() as ended, _ros():
+    with _ending() as ended, ros_session(options):
         try:
             bag = BagWriter(folder)
         except CaptureError as error:
             raise CommandError(str(error)) from error
-        recorder = Recorder(options.node, options.namespace, options.raw_only,
-                            lambda error: faults.report('receiving a message', error))
+        with start_errors(options.ros_arguments):
+            recorder = Recorder(options.node, options.namespace, options.raw_only,
+                                lambda error: faults.report('receiving a message', error))
         recorder.start()
         try:
             with contextlib.closing(bag):
@@ -180,12 +179,3 @@ def _ending() -> Iterator[ShutdownEvent]:
         signal.set_wakeup_fd(-1)
         for kind, handler in before.items():
             signal.signal(kind, handler)
-
-
-@contextlib.contextmanager
-def _ros() -> Iterator[None]:
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    try:
-        yield
-    finally:
-        rclpy.try_shutdown()

@@ -1,15 +1,17 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What verbs that use ROS check before it, which would answer with a traceback."""
+"""What verbs that are nodes of ROS share: their names and their start."""
 
-import os
+import argparse
+from collections.abc import Iterator
+import contextlib
 
 from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.ros_start import init_ros, start_errors
+import rclpy
 from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException
 from rclpy.validate_namespace import validate_namespace
 from rclpy.validate_node_name import validate_node_name
-
-HIGHEST_DOMAIN = 232            # above, its ports would be beyond 65535
 
 
 def checked_namespace(text: str) -> str:
@@ -32,8 +34,16 @@ def check_node_name(text: str) -> None:
                            'only, and its namespace goes into --namespace') from error
 
 
-def check_domain() -> None:
-    """Raise CommandError if the environment has a domain that ROS cannot take."""
-    text = os.environ.get('ROS_DOMAIN_ID', '')
-    if text and not (text.isdecimal() and int(text) <= HIGHEST_DOMAIN):
-        raise CommandError(f'ROS_DOMAIN_ID is {text!r}: it must be a number from 0 to 101')
+@contextlib.contextmanager
+def ros_session(options: argparse.Namespace) -> Iterator[None]:
+    """
+    Run a block with ROS initialised by the words after --ros-args; RosStartError if it cannot.
+
+    Verbs write no log files: each run would leave one, empty.
+    """
+    with start_errors(options.ros_arguments):
+        init_ros(options.ros_arguments, log_files=False)
+    try:
+        yield
+    finally:
+        rclpy.try_shutdown()

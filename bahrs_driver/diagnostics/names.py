@@ -7,7 +7,8 @@ The node is given by its bare name at the root. In a namespace it is given by it
 name (diagnostic_updater's use_fqn), or two drivers of the same name would share their entries.
 """
 
-ROOT = '/'
+from bahrs_driver.node_names import full_name, ROOT
+
 _SEPARATOR = ': '
 
 
@@ -28,14 +29,3 @@ def parse_status_name(text: str) -> tuple[str, str]:
     if not separator:
         return '', text
     return (label if label.startswith(ROOT) else f'{ROOT}{label}'), task
-
-
-def full_name(name: str, namespace: str) -> str:
-    """Return the fully qualified name of a node."""
-    return f"/{namespace.strip('/')}/{name}" if namespace.strip('/') else f'/{name}'
-
-
-def split_name(full: str) -> tuple[str, str]:
-    """Return name and namespace of a fully qualified name."""
-    namespace, _, name = full.rpartition('/')
-    return name, namespace or ROOT

@@ -7,11 +7,11 @@ from pathlib import Path
 import re
 
 from bahrs_driver.doctor.finding import advice, Finding, good, problem
+from bahrs_driver.printable import printable
+from bahrs_driver.ros_start import middlewares, SAFE_DOMAIN, valid_domain
 
 PACKAGE = 'bahrs_driver'
 DISTRIBUTION = 'jazzy'
-SAFE_DOMAINS = range(102)           # above, ports collide with those that Linux gives away
-CHOOSER = 'rmw_implementation'      # is none itself, but loads one
 RANGES = ('SUBNET', 'LOCALHOST', 'OFF', 'SYSTEM_DEFAULT')
 
 
@@ -28,7 +28,7 @@ def look(environment: Mapping[str, str], has_rclpy: bool, python: Path) -> Itera
     else:
         yield good('ROS', f'comes from the Python packages in {python}: driver_node and bahrs are '
                           'in its bin, and there is no ros2 command')
-    yield from _middleware(environment, prefixes or [python])
+    yield from _middleware(environment, python)
     yield _domain(environment)
     yield from _range(environment)
 
@@ -59,15 +59,14 @@ def _package(prefixes: list[Path]) -> Iterator[Finding]:
                                 'does not find it', 'source install/setup.bash')
 
 
-def _middleware(environment: Mapping[str, str], prefixes: list[Path]) -> Iterator[Finding]:
-    there = sorted({file.name for prefix in prefixes for file in
-                    (prefix / 'share/ament_index/resource_index/rmw_typesupport').glob('rmw_*')
-                    if file.name != CHOOSER})
-    chosen = environment.get('RMW_IMPLEMENTATION', '')
+def _middleware(environment: Mapping[str, str], python: Path) -> Iterator[Finding]:
+    there, chosen = middlewares(environment, python), environment.get('RMW_IMPLEMENTATION', '')
     if chosen and there and chosen not in there:
+        known = re.fullmatch(r'rmw_\w+', chosen, re.ASCII)
         yield problem('middleware', f'RMW_IMPLEMENTATION is {chosen}, which is not installed; '
                                     f'there is {", ".join(there)}',
-                      f'sudo apt install ros-{DISTRIBUTION}-{chosen.replace("_", "-")}')
+                      f'sudo apt install ros-{DISTRIBUTION}-{chosen.replace("_", "-")}'
+                      if known else 'unset RMW_IMPLEMENTATION')
     elif chosen:
         yield good('middleware', f'is {chosen}, as RMW_IMPLEMENTATION says: that of every other '
                                  'machine must be the same')
@@ -80,10 +79,10 @@ def _domain(environment: Mapping[str, str]) -> Finding:
     text = environment.get('ROS_DOMAIN_ID', '')
     if not text:
         return good('domain', 'is 0, the default')
-    if text.isdecimal() and int(text) in SAFE_DOMAINS:
+    if valid_domain(text, SAFE_DOMAIN):
         return good('domain', f'is {text}: whoever listens must have the same ROS_DOMAIN_ID')
-    return problem('domain', f'ROS_DOMAIN_ID is {text!r}: it must be a number from 0 to '
-                             f'{SAFE_DOMAINS[-1]}', 'export ROS_DOMAIN_ID=0')
+    return problem('domain', f"ROS_DOMAIN_ID is '{printable(text)}': it must be a number from 0 "
+                             f'to {SAFE_DOMAIN}', 'export ROS_DOMAIN_ID=0')
 
 
 def _range(environment: Mapping[str, str]) -> Iterator[Finding]:

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""One sentence for whatever keeps the node from starting."""
+"""One sentence for whatever keeps a node from starting."""
 
 from collections.abc import Sequence
 import re
@@ -15,6 +15,11 @@ from rclpy.exceptions import ParameterException
 _PLACES = re.compile(r'\s*, at /\S+:\d+(?=, at |$)')
 _ARGUMENT = re.compile(r"Couldn't parse (?P<what>[^:]+): '(?P<argument>.*)'\. Error: (?P<why>.*)",
                        re.DOTALL)
+# What ROS says about its environment, and the remedy.
+_ENVIRONMENT = (
+    ('Unable to resolve peer', 'correct or unset ROS_STATIC_PEERS'),
+    ('error not set', 'with security enforced, correct the ROS_SECURITY_ variables'),
+)
 _REMEDIES = {
     'params file': 'write a node name or /**, below it ros__parameters, and below that '
                    'NAME: VALUE',
@@ -43,13 +48,20 @@ def explain(error: Exception, words: Sequence[str]) -> str:
 
 
 def _plain(error: Exception) -> str:
-    """Return what rcl or another library says, without the places in its source."""
-    text = _PLACES.sub('', str(error).strip())
+    """Return what rcl or another library says, with a remedy."""
+    text = without_places(error)
     about = _ARGUMENT.search(text)
     if about is None:
-        return printable(text.rpartition('ROS arguments: ')[2] or type(error).__name__)
+        shown = printable(text.rpartition('ROS arguments: ')[2] or type(error).__name__)
+        remedies = (remedy for cause, remedy in _ENVIRONMENT if cause in text)
+        return '; '.join([shown, *remedies])
     remedy = _REMEDIES.get(about['what'], 'see "ros2 run --help"')
     return f"{printable(about['argument'])} cannot be used: {printable(about['why'])}: {remedy}"
+
+
+def without_places(error: Exception) -> str:
+    """Return what rcl says on one line, without the places in its source."""
+    return ' '.join(_PLACES.sub('', str(error)).split())
 
 
 def _is_utf8(word: str) -> bool:

@@ -2,9 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of which signals end a verb."""
 
+import contextlib
+import os
+from pathlib import Path
 import signal
 
 from bahrs_driver.cli.signals import ENDING, heeded
+from processes import command, Process, wait_for
 import pytest
 
 
@@ -19,3 +23,57 @@ def test_a_hang_up_is_left_ignored(before, kinds):
         assert heeded(ENDING) == kinds
     finally:
         signal.signal(signal.SIGHUP, own)
+
+
+# Those that run until they are ended.
+WORDS = {'decode': ['--format', 'jsonl', '-'], 'emulate': ['--link', 'port'],
+         'monitor': ['--json'], 'record': ['-o', 'bag'],
+         'replay': ['flight.bin', '--link', 'port']}
+
+
+@contextlib.contextmanager
+def ignoring(number, verb):
+    """Run a verb as a script runs it in the background, or nohup, with a signal ignored."""
+    name = signal.Signals(number).name.removeprefix('SIG')
+    process = Process(['sh', '-c', f'trap "" {name}; exec "$@"', 'sh',
+                       *command('bahrs', verb, *WORDS[verb])])
+    try:
+        yield process
+    finally:
+        if process.alive:
+            process.end(signal.SIGKILL)
+
+
+def signals(process, kind):
+    """Return the signals that a process has handlers for (SigCgt), or ignores (SigIgn)."""
+    line = next(line for line in Path(f'/proc/{process.pid}/status').read_text().splitlines()
+                if line.startswith(kind))
+    bits = int(line.split()[1], 16)
+    return {number for number in signal.Signals if bits >> number - 1 & 1}
+
+
+@pytest.fixture
+def in_folder(tmp_path, monkeypatch):
+    """Work in a folder with a file of bytes."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / 'flight.bin').write_bytes(bytes(1000))
+
+
+@pytest.mark.parametrize('verb', WORDS)
+def test_a_signal_ends_what_a_script_runs_in_the_background(in_folder, verb):
+    """Though the shell has it ignored when it starts."""
+    with ignoring(signal.SIGINT, verb) as process:
+        assert wait_for(lambda: signal.SIGINT in signals(process, 'SigCgt'))
+        assert process.end(signal.SIGINT) >= 0
+        assert 'Traceback' not in process.text
+
+
+@pytest.mark.parametrize('verb', WORDS)
+def test_a_hang_up_does_not_end_what_nohup_runs(in_folder, verb):
+    """Another signal does."""
+    with ignoring(signal.SIGHUP, verb) as process:
+        assert wait_for(lambda: signal.SIGTERM in signals(process, 'SigCgt'))
+        assert signal.SIGHUP in signals(process, 'SigIgn')
+        os.kill(process.pid, signal.SIGHUP)
+        assert process.end(signal.SIGTERM) >= 0
+        assert 'Traceback' not in process.text

@@ -1,0 +1,71 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Names of nodes, and the one that a user means of those that run."""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+ROOT = '/'
+SETTLE_TIME = 2.0       # s after the first match in which another one makes the choice unclear
+
+
+def full_name(name: str, namespace: str) -> str:
+    """Return the fully qualified name of a node."""
+    return f"/{namespace.strip('/')}/{name}" if namespace.strip('/') else f'/{name}'
+
+
+def split_name(full: str) -> tuple[str, str]:
+    """Return name and namespace of a fully qualified name."""
+    namespace, _, name = full.rpartition('/')
+    return name, namespace or ROOT
+
+
+class Selection(NamedTuple):
+    """Which node is meant: by name, by namespace, by both, or any."""
+
+    name: str = ''
+    namespace: str = ''         # empty for any, / for the root
+
+    @property
+    def exact(self) -> str:
+        """Fully qualified name, if it is known; else empty."""
+        return full_name(*self) if self.name and self.namespace else ''
+
+    def matches(self, full: str) -> bool:
+        """Return whether a node of this fully qualified name is meant."""
+        name, namespace = split_name(full)
+        return self.name in ('', name) and self.namespace in ('', namespace)
+
+    def __str__(self) -> str:
+        """Return the selection in words."""
+        what = f'node named {self.name}' if self.name else 'driver'
+        return f'{what} in namespace {self.namespace}' if self.namespace else what
+
+
+class NodeChoice:
+    """
+    The node that a selection means, among those that are found over time.
+
+    Discovery finds nodes one after the other. The first match is taken at once, so that nothing
+    of it is missed; if another one turns up soon after, there were several.
+    """
+
+    def __init__(self, selection: Selection) -> None:
+        """Choose by a selection; an exact one is its own choice."""
+        self.selection = selection
+        self.chosen = selection.exact
+        self.several: list[str] = []
+        self._settled_at: float | None = None
+
+    def offer(self, names: Iterable[str], now: float) -> None:
+        """Take the fully qualified names of nodes that run at a time in seconds (monotonic)."""
+        matches = sorted({name for name in names if self.selection.matches(name)})
+        if self.selection.exact or not matches:
+            return
+        if self._settled_at is None:
+            self._settled_at = now + SETTLE_TIME
+        if not self.chosen:
+            self.chosen = matches[0]
+        found = sorted({self.chosen, *matches})
+        if len(found) > 1 and now <= self._settled_at:
+            self.several = found

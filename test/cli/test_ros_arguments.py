@@ -1,0 +1,64 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of verbs that a launch file starts: it adds --ros-args and what follows."""
+
+from bahrs_driver.cli.main import ROS_NODES, VERBS
+from bahrs_driver.cli.ros_arguments import namespace, split
+from hypothesis import given, strategies as st
+from processes import running
+import pytest
+from rclpy.utilities import remove_ros_args
+
+LAUNCHED = ['--ros-args', '-r', '__node:=launched', '-r', '__ns:=/left', '-p', 'x:=1']
+
+
+@pytest.mark.parametrize('words, own, for_ros', [
+    ([], [], []),
+    (['-o', 'x'], ['-o', 'x'], []),
+    (['-o', 'x', '--ros-args'], ['-o', 'x'], ['--ros-args']),
+    (['a', '--ros-args', '-r', 'b:=c', '--', 'd'], ['a', 'd'],
+     ['--ros-args', '-r', 'b:=c', '--']),
+    (['--', '-x', '--ros-args', '-p', 'y:=1'], ['--', '-x'], ['--ros-args', '-p', 'y:=1']),
+])
+def test_split(words, own, for_ros):
+    """As rcl does it."""
+    assert split(words) == (own, for_ros)
+
+
+@given(st.lists(st.sampled_from(['--ros-args', '--', 'file', '--json', '--enable-rosout-logs'])))
+def test_what_is_left_is_what_rclpy_leaves(words):
+    """Wherever the marks are."""
+    try:
+        left = remove_ros_args(['bahrs', *words])
+    except Exception:           # rclpy parses what is for ROS, too
+        return
+    assert split(words)[0] == left[1:]
+
+
+@pytest.mark.parametrize('words, found', [
+    ([], None),
+    (['--ros-args', '-r', '__ns:=/left'], '/left'),
+    (['--ros-args', '--remap', 'bahrs:__ns:=/left'], '/left'),
+    (['--ros-args', '-r', '__ns:=/left', '-r', '__ns:=/right'], '/right'),
+    (['--ros-args', '-r', '__node:=x', '-p', '__ns:=/no', '-r'], None),
+])
+def test_namespace(words, found):
+    """The one that the node gets."""
+    assert namespace(words) == found
+
+
+def test_a_node_that_is_launched():
+    """Its words are understood."""
+    with running('bahrs', 'monitor', '--duration', '0.5', '--json', *LAUNCHED) as monitor:
+        assert monitor.wait() == 1          # there is no driver
+        assert monitor.text.startswith('{"heard": false'), monitor.text
+
+
+def test_a_verb_that_is_no_node(tmp_path):
+    """It works, and says that the words mean nothing to it."""
+    with running('bahrs', 'emulate', '--output', str(tmp_path / 'x.bin'), '--duration', '1',
+                 *LAUNCHED) as emulator:
+        assert emulator.wait() == 0
+        assert emulator.text.startswith('bahrs emulate: --ros-args -r __node:=launched')
+        assert 'no effect' in emulator.text
+    assert set(ROS_NODES) < set(VERBS)
