@@ -169,6 +169,8 @@ class DriverNode(Node):
                 self._publish(sensor.converter.convert(message, stamp_ns))
             except Exception as error:
                 self.faults.report(f'publishing {message.NAME}', error)
+        for sentence in sensor.take_notices():
+            self._log.warning(sentence)
         self._report_change()
 
     def _report_change(self) -> None:

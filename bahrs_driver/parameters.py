@@ -96,10 +96,11 @@ PARAMETERS = (
     Parameter('gps.rate', 10.0, 'How often to ask a titan_m for its GPS position; 0 is never.',
               'Hz', low=0.01, high=1000.0, or_zero=True, sensor=TITAN_M),
     Parameter('gps.week', 0,
-              'GPS week since 1980 in which the driver is started: time_reference is then UTC. 0 '
-              'is unknown: it is the time of week.', low=0, high=3000, sensor=TITAN_M),
-    Parameter('gps.leap_seconds', 18, 'GPS time less UTC, for gps.week.', 's', low=0, high=100,
-              sensor=TITAN_M),
+              'GPS week since 1980 in which the driver is started, for a host whose clock is not '
+              'set; 0 is unknown. Else the week nearest to the clock of the host is used, and a '
+              'contradiction reported.', low=0, high=3000, sensor=TITAN_M),
+    Parameter('gps.leap_seconds', 18, 'GPS time less UTC, for time_reference.', 's',
+              low=0, high=100, sensor=TITAN_M),
     Parameter('gps.geoid_height', 0.0,
               'Added to the altitude of fix: height of the geoid above the ellipsoid, if the '
               'device gives altitudes above mean sea level, which its document does not say.', 'm',

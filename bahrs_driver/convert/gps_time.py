@@ -1,35 +1,62 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-GPS time of week to a time that a ROS message can carry.
+GPS time of week to UTC.
 
-A device that tells its time of week does not tell the week. Who knows it gets UTC; without it,
-the time of week stays what it is.
+A device that reports its time of week does not report the week. The host's clock knows it, unless
+it was never set: the week is the one that brings the time nearest to the host's. A week that the
+user gave serves a host without a clock, and is otherwise only compared. Without either the time is
+not known.
 """
 
 GPS_EPOCH_S = 315_964_800       # UNIX time of 6 January 1980
 WEEK_US = 604_800 * 1_000_000
 LATEST_US = 2 ** 31 * 1_000_000     # what a ROS time can hold
+# A host whose clock shows an earlier time started without one: 1 January 2020.
+EARLIEST_HOST_NS = 1_577_836_800 * 10 ** 9
 
 
 class GpsTime:
-    """Puts times of week one after the other."""
+    """Converts times of week, one after the other."""
 
     def __init__(self, week: int, leap_seconds: int) -> None:
-        """Take the week since 1980 in which it begins, 0 if unknown, and GPS time less UTC."""
+        """Begin in a week since 1980 (0 if unknown), with GPS time less UTC in seconds."""
         self._week = week
         self._start_us = (GPS_EPOCH_S - leap_seconds) * 1_000_000
         self._last_us = 0
+        self._notices: list[str] = []
+        self.problem = ''               # what is wrong with the week, in a sentence
 
-    def microseconds(self, time_of_week_s: float) -> int | None:
-        """Return UTC since 1970, or time of week if the week is unknown; None if it is none."""
+    def utc_us(self, time_of_week_s: float, host_ns: int) -> int | None:
+        """Return UTC in microseconds since 1970 near the host's time; None if it is not known."""
         time_us = round(time_of_week_s * 1000) * 1000
-        if not self._week:
-            return time_us
-        if time_us >= WEEK_US:
+        if not 0 <= time_us < WEEK_US:
             return None
-        if time_us < self._last_us - WEEK_US // 2:
+        if self._week and time_us < self._last_us - WEEK_US // 2:
             self._week += 1
         self._last_us = time_us
-        utc_us = self._start_us + self._week * WEEK_US + time_us
-        return utc_us if utc_us < LATEST_US else None
+        week = self._week_near(host_ns, time_us)
+        utc_us = self._start_us + week * WEEK_US + time_us
+        return utc_us if week and utc_us < LATEST_US else None
+
+    def take_notices(self) -> list[str]:
+        """Return sentences for the log since the last call."""
+        notices, self._notices = self._notices, []
+        return notices
+
+    def _week_near(self, host_ns: int, time_us: int) -> int:
+        """Return the week of a time of week, 0 if it is not known; report what is wrong with it."""
+        week, problem = self._week, ''
+        if host_ns >= EARLIEST_HOST_NS:
+            since_us = host_ns // 1000 - self._start_us - time_us
+            week = (since_us + WEEK_US // 2) // WEEK_US
+        elif not week:
+            problem = ('The GPS week is unknown, and time_reference is not published: set the '
+                       'clock of the host, or gps.week')
+        if self._week and week != self._week:
+            problem = (f'It is week {self._week} by gps.week and week {week} by the clock of the '
+                       'host, which is used: correct gps.week, or leave it 0')
+        if problem and not self.problem:
+            self._notices.append(problem)
+        self.problem = problem
+        return week

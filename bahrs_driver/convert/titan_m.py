@@ -145,6 +145,15 @@ class TitanConverter:
         """Return what the GPS says at present, in words."""
         return self._gps_text
 
+    @property
+    def week_problem(self) -> str:
+        """Return what is wrong with the GPS week, in a sentence; empty if nothing is."""
+        return self._gps_time.problem
+
+    def take_notices(self) -> list[str]:
+        """Return sentences for the log since the last call."""
+        return self._gps_time.take_notices()
+
     def _forget(self) -> None:
         self._reader.begin()
         self._sample: _Sample | None = None
@@ -211,7 +220,7 @@ class TitanConverter:
         self._gps_text = f"fix in zone {message.zone} {'north' if message.northern else 'south'}" \
             if place else 'no fix'
         # A time of 0 is one that is not known, and says nothing about the week.
-        time = self._gps_time.microseconds(message.gps_time_s) if message.gps_time_s else None
+        time = self._gps_time.utc_us(message.gps_time_s, stamp_ns) if message.gps_time_s else None
         if time is not None:
             yield 'time_reference', ros.time_reference(head, time, TIME_SOURCE)
 

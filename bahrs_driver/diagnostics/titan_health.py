@@ -21,11 +21,16 @@ class TitanDeviceTask:
     name = 'Device'
 
     def __init__(self, reader: PayloadReader[int], gps: Callable[[], str],
-                 stale: Staleness) -> None:
-        """Watch the detector of the byte order, and a callable that describes the fix."""
+                 week_problem: Callable[[], str], stale: Staleness) -> None:
+        """
+        Watch the detector of the byte order.
+
+        gps describes the fix, week_problem what is wrong with the GPS week.
+        """
         self._stale = stale
         self._reader = reader
         self._gps = gps
+        self._week_problem = week_problem
 
     def judge(self, now: float) -> Verdict:
         """Return whether answers come and can be read."""
@@ -38,6 +43,9 @@ class TitanDeviceTask:
         if reader.doubted:
             return Verdict(WARN, f'Answers are read as {reader.order}-endian and make no sense: '
                                  'is payload_order right?')
+        problem = self._week_problem()
+        if problem:
+            return Verdict(WARN, problem)
         return Verdict(WARN if gps == 'no fix' else OK, f'GPS: {gps}')
 
     def values(self, now: float) -> Mapping[str, str]:
@@ -53,14 +61,15 @@ class TitanHealth:
 
     def __init__(self, rates: Mapping[str, float], tolerance: float, stale_timeout: float,
                  poller: Poller | None, reader: PayloadReader[int],
-                 gps: Callable[[], str]) -> None:
-        """Take the rates of the answers by name, who asks for them, and who knows about them."""
+                 gps: Callable[[], str], week_problem: Callable[[], str]) -> None:
+        """Watch answers of these rates by name, and what TitanDeviceTask watches."""
         self._rates = RatesTask(
             rates, tolerance, stale_timeout,
             RequestLosses(lambda: poller.lost_by_name if poller else {}))
         requests = [RequestsTask(poller, self._rates.stale)] if poller else []
         self.tasks: Sequence[Task] = (
-            self._rates, *requests, TitanDeviceTask(reader, gps, self._rates.stale))
+            self._rates, *requests,
+            TitanDeviceTask(reader, gps, week_problem, self._rates.stale))
 
     def observe(self, message: Any, now: float) -> None:
         """Take a message, received at a time in seconds (monotonic)."""

@@ -62,3 +62,4 @@ class Sensor:
     nvm: NvmReader | None = None                    # for devices whose memory can be read
     requester: Requester | None = None              # for devices that speak when asked
     warnings: Sequence[str] = ()                    # what the user should know of the settings
+    take_notices: Callable[[], list[str]] = list    # and of the data, since the last call

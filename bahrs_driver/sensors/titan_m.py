@@ -53,7 +53,8 @@ def titan_m(settings: Mapping[str, Any], link: Link) -> Sensor:
                           PAUSES / max(rates.values()) if requester else 0.0)
     health = TitanHealth(
         asked, settings['diagnostics.rate_tolerance'], silence_timeout,
-        poller if requester else None, reader, lambda: converter.gps_text)
+        poller if requester else None, reader, lambda: converter.gps_text,
+        lambda: converter.week_problem)
 
     def protocol() -> Mapping[str, str]:
         lengths = {kind.NAME: f'0x{length:02X}'
@@ -67,7 +68,7 @@ def titan_m(settings: Mapping[str, Any], link: Link) -> Sensor:
     silence_hint = SILENCE_HINT.format(settings['baud_rate']) if requester else UNASKED_HINT
     return Sensor(Framer(frame_format), requester or AnswerCodec(), _clock(settings),
                   converter, health, TOPICS, LATCHED, protocol, silence_timeout, silence_hint,
-                  requester=requester,
+                  requester=requester, take_notices=converter.take_notices,
                   warnings=tuple(_warnings(settings, rates)))
 
 

@@ -129,8 +129,7 @@ def test_fix():
     assert list(fix.position_covariance[::4]) == [4.0, 4.0, 16.0]
     assert fix.position_covariance_type == NavSatFix.COVARIANCE_TYPE_APPROXIMATED
     assert out['time_reference'].source == 'gps'
-    assert (out['time_reference'].time_ref.sec, out['time_reference'].time_ref.nanosec) == (
-        1000, 500_000_000)
+    assert out['time_reference'].time_ref.nanosec == 500_000_000
     assert 'velocity' not in out                # that of the state is better
     assert told(converter(geoid_height=47.5), GPS)['fix'].altitude == 647.5
 
@@ -196,10 +195,21 @@ def test_gps_time_that_is_unknown_is_not_told():
     assert set(told(converter(), replace(GPS, gps_time_s=0.0, zone=0))) == {'fix'}
 
 
-def test_utc_if_the_week_is_known():
-    """GPS week 2300 is in the year 2024."""
-    reference = told(converter(gps_week=2300), GPS)['time_reference']
-    assert reference.time_ref.sec == 315_964_800 + 2300 * 604_800 + 1000 - 18
+@pytest.mark.parametrize('stamp, options, week', [
+    (STAMP, {}, 2288), (STAMP, {'gps_week': 2287}, 2288), (5 * 10 ** 9, {'gps_week': 2300}, 2300)])
+def test_utc_in_a_known_week(stamp, options, week):
+    """By the clock of the host, or by the parameter if that was never set."""
+    parts = converter(**options)
+    reference = told(parts, GPS, stamp)['time_reference']
+    assert reference.time_ref.sec == 315_964_800 + week * 604_800 + 1000 - 18
+    assert bool(parts.week_problem) == (options.get('gps_week') == 2287)
+
+
+def test_a_time_of_week_alone_is_not_published():
+    """It would be a time in January 1970."""
+    parts = converter()
+    assert set(told(parts, GPS, 5 * 10 ** 9)) == {'fix'}
+    assert parts.week_problem and len(parts.take_notices()) == 1
 
 
 def test_the_week_stays_when_the_gps_time_is_lost():

@@ -16,6 +16,7 @@ import pytest
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 EVERYTHING = {**TOPICS, **DIAGNOSTICS}
+HALF_WEEK = 7 * 86_400 // 2
 STATE = State((1.0, 2.0, -3.0), (0.5, -0.25, 0.0), (0.125, -0.5, 1.5), (0.0, 0.0625, -1.0))
 GPS = Gps(1.5, 500_000.0, 5_000_000.0, 600.0, (1.0, 2.0, 3.0), 90.0, 4.0, 3.0, 32, True)
 SENSORS = Sensors((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 20.0, (0.5, 0.25, -9.75), (0.0, 0.0, 0.5),
@@ -155,6 +156,16 @@ def test_a_bad_parameter_ends_the_start_with_one_sentence(words, sentence):
     with running('driver_node', '--ros-args', '-p', 'sensor:=titan_m', *words) as node:
         assert node.wait(60) == 1
         assert len(node.lines) == 1 and sentence in node.text
+
+
+def test_a_stale_gps_week_is_reported_and_not_used(cable):
+    """It would be wrong by whole weeks, which nothing in a recording shows."""
+    with listening(EVERYTHING) as ear, titan(cable, answers()), \
+            driver(cable.path, sensor='titan_m', gps__week=2300) as node:
+        message = ear.wait('time_reference', 3)[-1]
+        assert abs(message.time_ref.sec - message.header.stamp.sec) <= HALF_WEEK
+        assert says(ear, 'Device', WARN, 'It is week 2300 by gps.week and week ')
+        assert sum('correct gps.week, or leave it 0' in line for line in node.lines) == 1
 
 
 def test_what_will_not_go_well_is_told_at_the_start(cable):
