@@ -32,7 +32,7 @@ $(READY): requirements.txt setup.py setup.cfg
 	@touch $@
 
 run: $(READY)
-	@$(BIN)/python tools/run.py $(if $(SENSOR),--sensor $(SENSOR)) $(if $(PORT),--port $(PORT)) $(if $(DURATION),--duration $(DURATION))
+	@$(BIN)/python tools/run.py $(if $(SENSOR),--sensor "$(SENSOR)") $(if $(PORT),--port "$(PORT)") $(if $(DURATION),--duration "$(DURATION)")
 
 test: $(READY)
 	$(BIN)/python -m pytest

@@ -16,14 +16,16 @@ from typing import TextIO
 
 BIN = Path(sys.executable).parent
 END_TIMEOUT = 5.0       # s
+NO_DATA = 1             # exit status of the monitor
 
 
 def main() -> int:
-    """Run until the time is up, Ctrl-C, or the driver ends."""
+    """Run until the time is up, Ctrl-C, or the driver ends; 1 if no data came."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--port', help='use this port instead of an emulated device')
-    parser.add_argument('--sensor', default='bahrs', help='which device (default: %(default)s)')
-    parser.add_argument('--duration', help='end after so many seconds')
+    parser.add_argument('--sensor', default='bahrs', choices=('bahrs', 'titan_m'),
+                        help='which device (default: %(default)s)')
+    parser.add_argument('--duration', type=float, help='end after so many seconds')
     options = parser.parse_args()
     # Ctrl-C reaches the live view, too, which ends by itself; the others are in groups of
     # their own, and are ended when it has.
@@ -33,30 +35,35 @@ def main() -> int:
     for number in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda number, _: sys.exit(128 + number))
     with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
+        logs = {name: stack.enter_context(open(f'{folder}/{name}.log', 'w+'))
+                for name in ('emulator', 'driver', 'monitor')}
         port = options.port
         if port is None:
             port = f'{folder}/bahrs'
             emulator = stack.enter_context(
                 process('bahrs', 'emulate', '--sensor', options.sensor, '--link', port, '--wait',
-                        stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                        stdin=subprocess.DEVNULL, stderr=logs['emulator'],
                         start_new_session=True))
-            emulator.stdout.readline()      # it prints the port when there is one
-        with open(f'{folder}/driver.log', 'w+') as log, \
-                open(f'{folder}/monitor.log', 'w+') as complaints:
-            driver = stack.enter_context(
-                process('driver_node', '--ros-args', '-p', f'port:={port}',
-                        '-p', f'sensor:={options.sensor}', stderr=log,
-                        start_new_session=True))
-            if interrupted.is_set():
-                return 0
-            words = ['--duration', options.duration] if options.duration else []
-            monitor = stack.enter_context(
-                process('bahrs', 'monitor', *words, stdout=None, stderr=complaints))
-            wait_for(monitor, driver, interrupted)
-            if driver.poll():
-                return told(driver, log)
-            # What it says of a Ctrl-C in its first moment is of no interest.
-            return 0 if interrupted.is_set() else told(monitor, complaints)
+            if not emulator.stdout.readline():      # it prints the port when there is one
+                emulator.wait()
+                return told(emulator, logs['emulator'])
+        driver = stack.enter_context(
+            process('driver_node', '--ros-args', '-p', f'port:={port}',
+                    '-p', f'sensor:={options.sensor}', stderr=logs['driver'],
+                    start_new_session=True))
+        if interrupted.is_set():
+            return 0
+        words = [] if options.duration is None else ['--duration', str(options.duration)]
+        monitor = stack.enter_context(
+            process('bahrs', 'monitor', '--require-data', *words, stdout=None,
+                    stderr=logs['monitor']))
+        wait_for(monitor, driver, interrupted)
+        if driver.poll():
+            return told(driver, logs['driver'])
+        # What it says of a Ctrl-C in its first moment is of no interest.
+        if interrupted.is_set() and monitor.returncode != NO_DATA:
+            return 0
+        return told(monitor, logs['monitor'])
 
 
 def wait_for(monitor: subprocess.Popen, driver: subprocess.Popen, interrupted: Event) -> None:

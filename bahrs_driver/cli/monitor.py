@@ -9,16 +9,20 @@ import math
 import os
 import time
 
+from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.ros import checked_namespace, ros_session
 from bahrs_driver.monitor.page import Page
-from bahrs_driver.monitor.tables import record, tables
+from bahrs_driver.monitor.tables import nobody, record, tables
 from bahrs_driver.monitor.watch import Watch
+from bahrs_driver.printable import printable
 from bahrs_driver.ros_start import start_errors
+from diagnostic_msgs.msg import DiagnosticStatus
 import rclpy
 from rich.console import Console
 from rich.live import Live
 
 REFRESH = 0.25              # s
+FIRST_DATA = 5.0            # s by which data should have come
 
 _EXAMPLES = """examples:
   bahrs monitor                           a live page, until Ctrl-C
@@ -33,11 +37,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'Show attitude, heading, height, rates, integrity and diagnostics of the driver on a\n'
         'live page, 80x24 characters or more. At the end, or where the output is no terminal,\n'
         'the last state is printed as a table.')
-    parser.epilog = _EXAMPLES + '\nexit status: 0, or 1 if no driver was heard\n'
+    parser.epilog = _EXAMPLES + '\nexit status: 0, or 1 if no driver was heard (with --require-data: no data)\n'
     parser.add_argument('--duration', type=float, metavar='SECONDS',
                         help='end after this time (default: at Ctrl-C)')
     parser.add_argument('--namespace', default='', metavar='NAME',
                         help='namespace of the driver and its topics (default: none)')
+    parser.add_argument('--require-data', action='store_true',
+                        help='end with status 1 and the reason if no data came')
     parser.add_argument('--json', action='store_true',
                         help='no page: print the last state as one JSON object')
 
@@ -46,7 +52,8 @@ def run(options: argparse.Namespace) -> int:
     """Watch until the time is up or Ctrl-C; 1 if no driver was heard."""
     namespace = checked_namespace(options.namespace)
     console = Console()
-    end = math.inf if options.duration is None else time.monotonic() + options.duration
+    begin = time.monotonic()
+    end = math.inf if options.duration is None else begin + options.duration
     with ros_session(options):
         with start_errors(options.ros_arguments):
             node = rclpy.create_node(f'bahrs_monitor_{os.getpid()}', namespace=namespace)
@@ -60,7 +67,18 @@ def run(options: argparse.Namespace) -> int:
         print(json.dumps(record(watch), ensure_ascii=False))
     else:
         console.print(tables(watch))
+    listened = time.monotonic() >= min(end, begin + FIRST_DATA)     # or ended by an early Ctrl-C
+    if options.require_data and listened and not watch.data_heard:
+        raise CommandError(f'no data came: {_why_no_data(watch)}')
     return 0 if watch.heard else 1
+
+
+def _why_no_data(watch: Watch) -> str:
+    problems = [status.message for status in watch.health.values()
+                if status.level == DiagnosticStatus.ERROR]
+    if problems:
+        return printable(problems[0])
+    return 'the driver was heard, and reports no error' if watch.heard else nobody()
 
 
 def _show(watch: Watch, console: Console, end: float) -> None:

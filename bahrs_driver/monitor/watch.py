@@ -105,6 +105,11 @@ class Watch:
         return bool(self.health) or any(tally.count for tally in self.tallies.values())
 
     @property
+    def data_heard(self) -> bool:
+        """Whether any sample came."""
+        return self._data_at > -math.inf
+
+    @property
     def data_age(self) -> float:
         """Seconds since the latest sample; infinite if there was none."""
         return time.monotonic() - self._data_at
