@@ -31,7 +31,7 @@ class UsedValue(str):
 
 
 def describe_driver(config: str, sensor: str = '') -> LaunchDescription:
-    """Return a driver with a parameter file of this package, and perhaps the sensor, by default."""
+    """Return a driver with a parameter file of this package, and a sensor if it is named."""
     share = FindPackageShare(PACKAGE)
     return LaunchDescription([
         GroupAction([

@@ -24,6 +24,6 @@ def sensor_of(capture: Capture | None, chosen: str | None, known: Collection[str
     """Return the sensor that was chosen, or that of the recording; CommandError if unknown."""
     name = chosen or (capture and capture.sensor) or DEFAULT_SENSOR
     if capture and name not in known:
-        raise CommandError(f'{printable(capture.path)} is of a sensor \'{printable(name)}\', which '
+        raise CommandError(f"{printable(capture.path)} is of a sensor '{printable(name)}', which "
                            f'is not known here: choose one of {", ".join(known)} with --sensor')
     return name

@@ -40,8 +40,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         'Make all topics of the driver anew, from the bytes that the device sent. Stamps are\n'
         'better than those of the flight, for what came later tells of them, too; those of a\n'
-        'Titan-M are arrival times, for requests are not recorded. Log times are the stamps, on a\n'
-        'clock that nobody sets.')
+        'Titan-M are arrival times, for requests are not recorded. Log times are the stamps, on\n'
+        'a clock that nobody sets.')
     parser.epilog = _EXAMPLES
     parser.add_argument('input', metavar='IN',
                         help='bag that holds the topic raw, or file of bytes')

@@ -37,7 +37,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'Show attitude, heading, height, rates, integrity and diagnostics of the driver on a\n'
         'live page, 80x24 characters or more. At the end, or where the output is no terminal,\n'
         'the last state is printed as a table.')
-    parser.epilog = _EXAMPLES + '\nexit status: 0, or 1 if no driver was heard (with --require-data: no data)\n'
+    parser.epilog = (f'{_EXAMPLES}\nexit status: 0, or 1 if no driver was heard (with '
+                     '--require-data: no data)\n')
     parser.add_argument('--duration', type=float, metavar='SECONDS',
                         help='end after this time (default: at Ctrl-C)')
     parser.add_argument('--namespace', default='', metavar='NAME',

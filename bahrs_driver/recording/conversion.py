@@ -170,13 +170,15 @@ def _play(capture: Capture, sensor: Sensor, clock: Clock, log_clock: LogClock
         if last is None or chunk.opening != last.opening:
             if last:
                 rest = [(codec.decode(frame), frame) for frame in framer.flush()]
-                yield Played(last._replace(data=b''), moment, clock.stamp(rest) + clock.end(), True)
+                yield Played(last._replace(data=b''), moment, clock.stamp(rest) + clock.end(),
+                             True)
             clock.begin(capture.byte_ns or 0)
         last = chunk
         frames = framer.feed(chunk.data)
         moment = log_clock.observe(chunk.read_at or 0, chunk.raw_at)
         clock.read(Instant(moment.raw_ns, moment.ros_ns), framer.received)
-        yield Played(chunk, moment, clock.stamp([(codec.decode(frame), frame) for frame in frames]))
+        messages = [(codec.decode(frame), frame) for frame in frames]
+        yield Played(chunk, moment, clock.stamp(messages))
     if last:
         rest = [(codec.decode(frame), frame) for frame in framer.flush()]
         yield Played(last._replace(data=b''), moment, clock.stamp(rest) + clock.end())

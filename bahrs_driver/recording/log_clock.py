@@ -66,7 +66,8 @@ class LogClock:
         found = [f'{step_sentence(step.size_ns)}, {step.seconds:.3f} s after the beginning: log '
                  'times go on evenly, stamps follow the clock' for step in self.steps]
         if self.step_count > len(self.steps):
-            found.append(f"the host's clock was set {self.step_count - len(self.steps)} more times")
+            more = self.step_count - len(self.steps)
+            found.append(f"the host's clock was set {more} more times")
         return found
 
     def _advance(self, ros_ns: int, raw_ns: int | None) -> None:

@@ -31,8 +31,8 @@ def test_set_back_and_forward():
         assert moment.log_ns == ROS + index * S and moment.offset == offset
     assert [(step.seconds, step.size_ns) for step in clock.steps] == list(sets.items())
     assert clock.sentences()[0] == (
-        "the host's clock was set by -3600.000000 s, 20.000 s after the beginning: log times go on "
-        'evenly, stamps follow the clock')
+        "the host's clock was set by -3600.000000 s, 20.000 s after the beginning: log times go "
+        'on evenly, stamps follow the clock')
 
 
 def test_without_a_steady_clock():
