@@ -124,10 +124,10 @@ def _graph(options: argparse.Namespace, port: str) -> Iterator[Finding]:
     from bahrs_driver.doctor import graph
     import rclpy
     try:
-        with ros_session(options):
+        with ros_session(options) as keep:
             with start_errors(options.ros_arguments):
-                node = rclpy.create_node(f'bahrs_doctor_{os.getpid()}',
-                                         namespace=options.namespace)
+                node = keep(rclpy.create_node(f'bahrs_doctor_{os.getpid()}',
+                                              namespace=options.namespace))
             yield from graph.look(node, port)
     except RosStartError as error:
         yield problem('start', str(error), 'printenv | grep -E "^(ROS|RMW|RCUTILS|FASTDDS)"')

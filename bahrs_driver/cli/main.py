@@ -11,6 +11,7 @@ import sys
 from bahrs_driver.cli import ros_arguments
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.signals import interrupt_on_signals
+from bahrs_driver.exit_timer import exit_after
 from bahrs_driver.printable import printable
 from bahrs_driver.ros_start import check_import, missing_module, RosStartError
 from bahrs_driver.shutdown_event import ignore_signals
@@ -31,6 +32,7 @@ VERBS = {
 
 IMPORT_RCLPY = ('convert', 'monitor', 'record')
 ROS_NODES = ('doctor', 'monitor', 'record')     # verbs that hand on what follows --ros-args
+CLEAN_UP_TIME = 1.0         # s, for the nodes of these verbs at the end of the process
 
 _STATUS = 'exit status'
 _EXIT_STATUS = (f'{_STATUS}: 0 if it is done, 1 if it cannot be done or something is wrong,\n'
@@ -48,6 +50,16 @@ def main(args: list[str] | None = None) -> int:
     """Run one verb; 0 on success, 1 on failure, 2 on a mistake in the command line."""
     words, for_ros = ros_arguments.split(sys.argv[1:] if args is None else args)
     verb = words[0] if words else ''
+    status = _status(verb, words, for_ros)
+    if args is None:
+        ignore_signals()
+        if verb in ROS_NODES:           # whose nodes are destroyed only now
+            exit_after(CLEAN_UP_TIME, status)
+    return status
+
+
+def _status(verb: str, words: list[str], for_ros: list[str]) -> int:
+    """Run one verb and return the exit status."""
     try:
         interrupt_on_signals()
         return _run(verb, words, for_ros)
@@ -64,9 +76,6 @@ def main(args: list[str] | None = None) -> int:
         print(f'bahrs {verb}: cannot go on: {error}', file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
-    finally:
-        if args is None:
-            ignore_signals()
 
 
 def _run(verb: str, words: list[str], for_ros: list[str]) -> int:

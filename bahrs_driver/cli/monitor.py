@@ -55,9 +55,10 @@ def run(options: argparse.Namespace) -> int:
     console = Console()
     begin = time.monotonic()
     end = math.inf if options.duration is None else begin + options.duration
-    with ros_session(options):
+    with ros_session(options) as keep:
         with start_errors(options.ros_arguments):
-            node = rclpy.create_node(f'bahrs_monitor_{os.getpid()}', namespace=namespace)
+            node = keep(rclpy.create_node(f'bahrs_monitor_{os.getpid()}',
+                                          namespace=namespace))
             watch = Watch(node)
         with contextlib.suppress(KeyboardInterrupt):
             if console.is_terminal and not options.json:

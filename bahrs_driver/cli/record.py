@@ -72,14 +72,15 @@ def run(options: argparse.Namespace) -> int:
     folder = options.output or time.strftime('bahrs_%Y_%m_%d-%H_%M_%S')
     failure = ''
     faults = FaultLog(lambda text: print(f'bahrs record: {text}', file=sys.stderr), str)
-    with _ending() as ended, ros_session(options):
+    with _ending() as ended, ros_session(options) as keep:
         try:
             bag = BagWriter(folder)
         except CaptureError as error:
             raise CommandError(str(error)) from error
         with start_errors(options.ros_arguments):
-            recorder = Recorder(options.node, options.namespace, options.raw_only,
-                                lambda error: faults.report('receiving a message', error))
+            recorder = keep(Recorder(
+                options.node, options.namespace, options.raw_only,
+                lambda error: faults.report('receiving a message', error)))
         recorder.start()
         try:
             with contextlib.closing(bag):

@@ -3,8 +3,9 @@
 """What verbs that are nodes of ROS share: their names and their start."""
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 import contextlib
+from typing import TypeVar
 
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.ros_start import init_ros, start_errors
@@ -12,6 +13,10 @@ import rclpy
 from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException
 from rclpy.validate_namespace import validate_namespace
 from rclpy.validate_node_name import validate_node_name
+
+T = TypeVar('T')
+
+_kept: list[object] = []
 
 
 def checked_namespace(text: str) -> str:
@@ -35,15 +40,22 @@ def check_node_name(text: str) -> None:
 
 
 @contextlib.contextmanager
-def ros_session(options: argparse.Namespace) -> Iterator[None]:
+def ros_session(options: argparse.Namespace) -> Iterator[Callable[[T], T]]:
     """
     Run a block with ROS initialised by the words after --ros-args; RosStartError if it cannot.
 
-    Verbs write no log files: each run would leave one, empty.
+    The block gets a function that keeps what has a node until the process ends: destroying a node
+    may hang after the host clock was set back, and main() limits only the time of that end. Verbs
+    write no log files: each run would leave one, empty.
     """
     with start_errors(options.ros_arguments):
         init_ros(options.ros_arguments, log_files=False)
     try:
-        yield
+        yield _keep
     finally:
         rclpy.try_shutdown()
+
+
+def _keep(thing: T) -> T:
+    _kept.append(thing)
+    return thing

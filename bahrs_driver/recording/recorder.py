@@ -81,11 +81,6 @@ class Recorder:
         self._executor.stop()
         self._thread.join()
 
-    def close(self) -> None:
-        """Destroy the node, which may hang in the middleware after the clock was set back."""
-        self._executor.shutdown()
-        self._node.destroy_node()
-
     def new_topics(self) -> list[Topic]:
         """Return the topics that were found since the last call."""
         return [self._new_topics.popleft() for _ in range(len(self._new_topics))]

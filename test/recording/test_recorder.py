@@ -33,7 +33,6 @@ def test_several_publishers_of_a_topic_lose_nothing():
                 or len(came) == 20, 60)
         finally:
             recorder.stop()
-            recorder.close()
         assert recorder.lost == 0
     finally:
         rclpy.try_shutdown()

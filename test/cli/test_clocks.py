@@ -1,0 +1,31 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The verbs that are nodes end whatever the host clock does."""
+
+import signal
+
+from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.emulator.pty_port import PtyPort
+from devices import Device
+from processes import driver, listening, running, wait_for
+import pytest
+from set_clock import SettableClock
+
+HOUR = 3600.0           # s
+
+
+@pytest.mark.parametrize('kind', [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize('verb', ['record', 'monitor'])
+def test_the_host_clock_is_set_back(tmp_path, verb, kind):
+    """The middleware hangs for an hour when a node is destroyed then; the verb does not."""
+    clock = SettableClock(tmp_path)
+    words = {'record': ['-o', str(tmp_path / 'bag')], 'monitor': ['--json']}[verb]
+    with PtyPort() as port, Device(port), listening(TOPICS) as ear, driver(port.path), \
+            clock.used(), running('bahrs', verb, *words) as process:
+        ear.wait('imu/data', 10)
+        assert wait_for(lambda: ear.node.count_subscribers('imu/data') >= 2)
+        seen = len(ear.heard['imu/data'])
+        clock.set_back(HOUR)
+        ear.wait('imu/data', seen + 100)
+        assert process.end(kind) in (0, 130)
+        assert 'Traceback' not in process.text and 'imu/data' in process.text
