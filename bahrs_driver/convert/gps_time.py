@@ -45,7 +45,7 @@ class GpsTime:
         return notices
 
     def _week_near(self, host_ns: int, time_us: int) -> int:
-        """Return the week of a time of week, 0 if it is not known; report what is wrong with it."""
+        """Return the week of a time of week, 0 if unknown; report what is wrong with it."""
         week, problem = self._week, ''
         if host_ns >= EARLIEST_HOST_NS:
             since_us = host_ns // 1000 - self._start_us - time_us
