@@ -3,29 +3,26 @@
 """`bahrs convert`: a recording of bytes into all topics."""
 
 import argparse
-from collections.abc import Mapping
 import contextlib
 from datetime import datetime, timezone
 import json
 from pathlib import Path
 import shutil
 import sys
-from typing import Any
 
 from bahrs_driver.cli.captures import open_capture, sensor_of
+from bahrs_driver.cli.convert_settings import read_settings
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.cli.ros import checked_namespace
 from bahrs_driver.link import Link
 from bahrs_driver.parameter import ParameterError
-from bahrs_driver.parameters import defaults, PARAMETERS
 from bahrs_driver.recording.capture import Capture
 from bahrs_driver.recording.conversion import Conversion, Outcome
 from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.recording.outputs import BagOutput, CsvOutput
 from bahrs_driver.sensors import LISTENING, SENSORS
 from rich.progress import TaskID
-import yaml
 
 
 _EXAMPLES = """examples:
@@ -78,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
         if name in LISTENING and not capture.timed:
             raise CommandError(f'{options.input} cannot be converted: answers of a {name} have no '
                                'times; record the topic raw, or look at them with bahrs decode')
-        settings = _settings(options, name)
+        settings, notes = read_settings(options.parameters, name)
         conversion = Conversion(capture, settings, lambda: SENSORS[name](settings, Link(
             settings['port'], settings['baud_rate'])), options.start)
         shutil.rmtree(half_done, ignore_errors=True)
@@ -90,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
         raise CommandError(str(error)) from error
     finally:
         shutil.rmtree(half_done, ignore_errors=True)
-    _report(options, capture, outcome)
+    _report(options, [*capture.notes, *notes, *conversion.notices, *outcome.clock_steps], outcome)
     return 0
 
 
@@ -109,26 +106,7 @@ def _convert(options: argparse.Namespace, conversion: Conversion, capture: Captu
         return conversion.run(output, progress)
 
 
-def _settings(options: argparse.Namespace, sensor: str) -> Mapping[str, Any]:
-    settings = {**defaults(), 'sensor': sensor, **LISTENING.get(sensor, {})}
-    known = {parameter.name: parameter for parameter in PARAMETERS}
-    for text in options.parameters:
-        name, _, value = text.partition(':=')
-        if name not in known or not value:
-            raise CommandError(f'-p {text}: it must be NAME:=VALUE, of a parameter of the driver')
-        try:
-            settings[name] = known[name].convert(yaml.safe_load(value))
-        except yaml.YAMLError as error:
-            raise CommandError(f'-p {text}: {value!r} is no value of YAML: put quotes around a '
-                               'text that has brackets or colons') from error
-        if settings[name] != LISTENING.get(sensor, {}).get(name, settings[name]):
-            raise CommandError(f'-p {text}: it can only be 0, for nothing is asked of what was '
-                               'recorded')
-    return settings
-
-
-def _report(options: argparse.Namespace, capture: Capture, outcome: Outcome) -> None:
-    notes = [*capture.notes, *outcome.clock_steps]
+def _report(options: argparse.Namespace, notes: list[str], outcome: Outcome) -> None:
     for note in notes:
         print(f'bahrs convert: {note}', file=sys.stderr)
     seconds = (outcome.last_ns - outcome.first_ns) / 1e9

@@ -11,6 +11,7 @@ not known.
 
 GPS_EPOCH_S = 315_964_800       # UNIX time of 6 January 1980
 WEEK_US = 604_800 * 1_000_000
+MOST_NOTICES = 10               # that wait for the log
 LATEST_US = 2 ** 31 * 1_000_000     # what a ROS time can hold
 # A host whose clock shows an earlier time started without one: 1 January 2020.
 EARLIEST_HOST_NS = 1_577_836_800 * 10 ** 9
@@ -56,7 +57,7 @@ class GpsTime:
         if self._week and week != self._week:
             problem = (f'It is week {self._week} by gps.week and week {week} by the clock of the '
                        'host, which is used: correct gps.week, or leave it 0')
-        if problem and not self.problem:
+        if problem and not self.problem and len(self._notices) < MOST_NOTICES:
             self._notices.append(problem)
         self.problem = problem
         return week

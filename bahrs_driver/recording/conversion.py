@@ -77,6 +77,7 @@ class Conversion:
         self._start_ns = start_ns
         self._heap: list[tuple[int, int, str, Any]] = []
         self._count = self._first = self._last = 0
+        self.notices: list[str] = []        # sentences about the data
 
     def run(self, output: Output, progress: Callable[[str], None]) -> Outcome:
         """Convert into an output. progress is told now and then what is being done."""
@@ -99,6 +100,7 @@ class Conversion:
             self._convert(played, sensor, health)
             self._release(output, played.moment.log_ns - HOLD)
         self._release(output, None)
+        self.notices = sensor.take_notices()
         counters = sensor.framer.counters
         return Outcome(counters.frames, counters.skipped_bytes, self._count, self._first,
                        self._last, log_clock.sentences())

@@ -56,7 +56,7 @@ MAY_IMPORT = {
     'launching': set(),
     'executor': set(),
     'cli': {'cli', 'doctor', 'monitor', 'report', 'convert', 'emulator', 'recording', 'sensors',
-            'parameter', 'parameters', 'nvm_reader', 'whole_file', 'exit_timer',
+            'parameter', 'parameters', 'settings', 'nvm_reader', 'whole_file', 'exit_timer',
             'shutdown_event', 'fault_log', 'receiver', 'link', 'clock', 'driver_graph',
             'node_names', 'ros_start', 'protocol'},
     '__init__': set(),

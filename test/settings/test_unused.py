@@ -11,39 +11,12 @@ from bahrs_driver.sensors import SENSORS
 from bahrs_driver.settings.unused import RATES, unused_parameters, why_unused
 from hypothesis import given, settings, strategies as st
 import pytest
+from recorded_settings import RecordedSettings, values_of
 from starting import start
 
 PACKAGE = Path(__file__).resolve().parents[2] / 'bahrs_driver'
 BY_NAME = {parameter.name: parameter for parameter in PARAMETERS}
 SILENT = dict.fromkeys(RATES, 0.0)
-
-
-def values_of(parameter):
-    """Return a strategy for the valid values of a parameter."""
-    if parameter.choices:
-        return st.sampled_from(parameter.choices)
-    if isinstance(parameter.default, bool):
-        return st.booleans()
-    if isinstance(parameter.default, int):
-        return st.integers(int(parameter.low), int(parameter.high))
-    if isinstance(parameter.default, float):
-        zero = st.just(0.0) if parameter.or_zero else st.nothing()
-        return zero | st.floats(parameter.low, parameter.high)
-    return st.just(parameter.default)
-
-
-class Recorded(dict):
-    """Settings that remember which of them were read."""
-
-    def __init__(self, settings):
-        """Take the settings."""
-        super().__init__(settings)
-        self.read = set()
-
-    def __getitem__(self, name):
-        """Return a setting, and remember its name."""
-        self.read.add(name)
-        return super().__getitem__(name)
 
 
 # Read by the node and its services, not by the parts of a sensor.
@@ -56,7 +29,7 @@ OF_THE_NODE = {'port', 'baud_rate'} | {
 @given(st.fixed_dictionaries({parameter.name: values_of(parameter) for parameter in PARAMETERS}))
 def test_what_no_part_reads_is_listed(values):
     """Whatever the values are; so a parameter that is added for one device names it."""
-    recorded = Recorded(values)
+    recorded = RecordedSettings(values)
     SENSORS[values['sensor']](recorded, Link(values['port'], values['baud_rate']))
     listed = {name.split()[0] for name in unused_parameters(values, values)}
     assert set(BY_NAME) - recorded.read - OF_THE_NODE <= listed

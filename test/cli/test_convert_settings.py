@@ -1,0 +1,92 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters of a conversion: valid, or refused in a sentence; and none is ignored in silence."""
+
+from pathlib import Path
+import re
+
+from bahrs_driver.cli.convert_settings import read_settings
+from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.link import Link
+from bahrs_driver.parameter import ParameterError
+from bahrs_driver.parameters import defaults, PARAMETERS
+from bahrs_driver.sensors import SENSORS
+from hypothesis import given, settings, strategies as st
+import pytest
+from recorded_settings import RecordedSettings, values_of
+
+PACKAGE = Path(__file__).resolve().parents[2] / 'bahrs_driver'
+# Read by a conversion, not by the parts of a sensor.
+OF_CONVERSION = {'sensor', 'baud_rate'} | {
+    name for path in (PACKAGE / 'recording').glob('*.py')
+    for name in re.findall(r"settings\['([a-z_.]+)'\]", path.read_text())}
+
+
+def test_values():
+    """As the node has them, in the form that the driver uses."""
+    values, notes = read_settings(
+        ['stddev.velocity:=1', 'magnetic_field.strength:=4e-5', 'frame_id:=/imu', 'frame_convention:=ned',
+         'crc_order:=word'], 'bahrs')
+    assert values['magnetic_field.strength'] == 4e-5
+    assert values['stddev.velocity'] == 1.0 and values['frame_id'] == 'imu'
+    assert values['crc_order'] == 'word' and values['sensor'] == 'bahrs'
+    assert notes == ["parameter frame_id is '/imu': names of frames have no leading slash, 'imu' "
+                     'is used']
+
+
+@pytest.mark.parametrize('rule, sentence', [
+    ('frame_id:=my imu', "parameter frame_id is 'my imu': it must be the name of a frame"),
+    ('frame_id:=~', None),
+    ('frame_id:=[]', 'parameter frame_id is []: it must be'),
+    ('baudrate:=5', '-p baudrate:=5: baudrate (there is no such parameter, did you mean baud_'),
+    ('stddev.velocity:=.inf', 'parameter stddev.velocity is inf: it must be a decimal number'),
+    ('port:=\x1b[2J', r"-p port:=\x1b[2J: '\x1b[2J' is no value of YAML"),
+    (':=5', '-p :=5: it must be NAME:=VALUE'),
+])
+def test_sentences(rule, sentence):
+    """They name the rule, or the parameter."""
+    if sentence is None:
+        assert read_settings([rule], 'bahrs')[0]['frame_id'] == '~'
+        return
+    with pytest.raises((CommandError, ParameterError)) as caught:
+        read_settings([rule], 'bahrs')
+    assert sentence in str(caught.value)
+
+
+def test_settings_without_effect():
+    """In one sentence, with those that only a driver with a port has."""
+    _, notes = read_settings(['payload_order:=big', 'port:=/dev/x', 'nvm.page:=5'], 'bahrs')
+    assert notes == ['settings without effect: payload_order (sensor is bahrs); port (it is for a '
+                     'port); nvm.page (it is for a port)']
+
+
+@settings(max_examples=60)
+@given(name=st.sampled_from([parameter.name for parameter in PARAMETERS]),
+       sensor=st.sampled_from(sorted(SENSORS)), data=st.data())
+def test_what_no_part_reads_is_said_to_have_no_effect(name, sensor, data):
+    """Each parameter alone, with a valid value."""
+    (parameter,) = (parameter for parameter in PARAMETERS if parameter.name == name)
+    value = data.draw(values_of(parameter))
+    try:
+        text = str(value).lower() if isinstance(value, bool) else value
+        values, notes = read_settings([f'{name}:={text}'], sensor)
+    except CommandError:
+        assert name == 'sensor' or name.endswith('.rate')
+        return
+    recorded = RecordedSettings(values)
+    SENSORS[sensor](recorded, Link(values['port'], values['baud_rate']))
+    if name not in recorded.read | OF_CONVERSION:
+        assert any(f'{name} (' in note for note in notes)
+
+
+@given(rules=st.lists(st.one_of(st.text(max_size=20), st.builds(
+    '{}:={}'.format, st.sampled_from([parameter.name for parameter in PARAMETERS]),
+    st.text(max_size=10))), max_size=3))
+def test_any_rule(rules):
+    """It is read, or refused in a sentence without control characters."""
+    try:
+        values, notes = read_settings(rules, 'bahrs')
+    except (CommandError, ParameterError) as error:
+        assert str(error).isprintable()
+    else:
+        assert values.keys() == defaults().keys() and all(map(str.isprintable, notes))
