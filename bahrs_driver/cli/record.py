@@ -5,6 +5,7 @@
 import argparse
 from collections.abc import Iterator
 import contextlib
+from itertools import chain, count
 import json
 import math
 import signal
@@ -16,19 +17,21 @@ from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.ros import check_node_name, checked_namespace, ros_session
 from bahrs_driver.cli.signals import ENDING, heeded
 from bahrs_driver.fault_log import FaultLog
-from bahrs_driver.recording.bag_output import BagWriter
+from bahrs_driver.printable import printable
+from bahrs_driver.recording.bag_output import BagWriter, ExistingFolderError
 from bahrs_driver.recording.errors import CaptureError
-from bahrs_driver.recording.recorder import NANOSECONDS, RAW, Recorder
+from bahrs_driver.recording.recorder import RAW, Recorder
 from bahrs_driver.ros_start import start_errors
 from bahrs_driver.shutdown_event import ShutdownEvent
 from rich.console import Console
+from rich.markup import escape
 
-WRITE_PERIOD = 0.25             # s; with HOLD the most that a kill costs
-HOLD = 0.1                      # s in which a message may be overtaken
+WRITE_PERIOD = 0.25             # s; a kill costs this and what the recorder holds back
 SYNC_PERIOD = 1.0               # s; the most that a loss of power costs, with what the disk holds
 PATIENCE = 5.0                  # s until the user is told that nothing is there to record
 FIRST_WAIT = 30.0       # s for the first message, if there is a duration
 MEGABYTE = 1_000_000
+REPEATED = ('/diagnostics', '/rosout')      # topics whose first messages are no data
 
 _EXAMPLES = """examples:
   bahrs record                              all topics of the driver, until Ctrl-C
@@ -69,14 +72,10 @@ def run(options: argparse.Namespace) -> int:
     """Record until the time is up or a signal ends it; 1 if there was nothing, or no room."""
     options.namespace = checked_namespace(options.namespace)
     check_node_name(options.node)
-    folder = options.output or time.strftime('bahrs_%Y_%m_%d-%H_%M_%S')
     failure = ''
     faults = FaultLog(lambda text: print(f'bahrs record: {text}', file=sys.stderr), str)
     with _ending() as ended, ros_session(options) as keep:
-        try:
-            bag = BagWriter(folder)
-        except CaptureError as error:
-            raise CommandError(str(error)) from error
+        bag = _new_bag(options.output)
         with start_errors(options.ros_arguments):
             recorder = keep(Recorder(
                 options.node, options.namespace, options.raw_only,
@@ -91,8 +90,20 @@ def run(options: argparse.Namespace) -> int:
     if failure:
         raise CommandError(f'recording was stopped: {failure}')
     if not bag.count:
-        raise CommandError(f'{folder} is empty: {_nothing(options, recorder)}')
+        raise CommandError(f'{printable(bag.folder)} is empty: {_nothing(options, recorder)}')
     return 0
+
+
+def _new_bag(output: str | None) -> BagWriter:
+    """Make the bag that is named, or one under a name that nobody else has taken."""
+    base = output or time.strftime('bahrs_%Y_%m_%d-%H_%M_%S')
+    for folder in chain([base], (f'{base}_{number}' for number in count(2))):
+        try:
+            return BagWriter(folder)
+        except CaptureError as error:
+            if output or not isinstance(error, ExistingFolderError):
+                raise CommandError(str(error)) from error
+    raise AssertionError('there are always more names')
 
 
 def _record(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
@@ -100,12 +111,12 @@ def _record(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
     """Write what comes, until ended."""
     begin = file_begin = synced = time.monotonic()
     end, told, empty = begin + max(options.duration, FIRST_WAIT), '', True
-    console = Console(stderr=True)
+    console, doing = Console(stderr=True), f'recording into {escape(printable(bag.folder))}'
     try:
-        with console.status(f'recording into {bag.folder}') as status:
+        with console.status(doing) as status:
             while not ended.wait(min(WRITE_PERIOD, max(0.0, end - time.monotonic()))):
                 now = time.monotonic()
-                _write(recorder, bag, time.time_ns() - round(HOLD * NANOSECONDS))
+                _write(recorder, bag, recorder.settled())
                 if empty and bag.count:
                     empty, end = False, now + options.duration
                 if now >= synced + SYNC_PERIOD:
@@ -115,8 +126,8 @@ def _record(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
                         now - file_begin >= options.max_duration:
                     bag.split()
                     file_begin = now
-                status.update(f'recording into {bag.folder}: {bag.count:,} messages of '
-                              f'{len(bag.counts())} topics, {now - begin:.0f} s')
+                status.update(f'{doing}: {bag.count:,} messages of {len(bag.counts())} topics, '
+                              f'{now - begin:.0f} s')
                 if not bag.count and now - begin > PATIENCE:
                     reason = _nothing(options, recorder)
                     if reason != told:
@@ -155,16 +166,29 @@ def _report(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
     if options.json:
         print(json.dumps({
             'bag': str(bag.folder), 'files': bag.files(), 'messages': bag.count,
-            'topics': counts, 'lost': recorder.lost, 'error': failure or None}))
+            'topics': counts, 'lost': recorder.lost, 'missed_before_discovery': recorder.missed,
+            'clock_steps': recorder.clock_steps, 'notes': recorder.notes,
+            'error': failure or None}))
         return
-    for topic, count in sorted(counts.items()):
-        print(f'{topic:<32}{count:>12,}')
-    if recorder.lost:
-        print(f'bahrs record: {recorder.lost} messages were published and did not come: the '
-              'machine is too busy', file=sys.stderr)
+    for topic, number in sorted(counts.items()):
+        print(f'{printable(topic):<32}{number:>12,}')
+    for sentence in _complaints(recorder):
+        print(f'bahrs record: {sentence}', file=sys.stderr)
     if counts and not any(topic.endswith(f'/{RAW}') for topic in counts):
         print(f'without {RAW} it cannot be converted anew: start the driver with '
               '-p publish.raw:=true for that', file=sys.stderr)
+
+
+def _complaints(recorder: Recorder) -> Iterator[str]:
+    """Return what the user should know of the bag."""
+    missed = sum(number for topic, number in recorder.missed.items() if topic not in REPEATED)
+    if missed:
+        yield (f'{missed} messages were published before driver and recorder had found each '
+               'other: start the driver with -p startup.wait_for_subscribers:=10')
+    if recorder.lost:
+        yield f'{recorder.lost} messages were published and did not come: the machine is too busy'
+    yield from recorder.clock_steps
+    yield from recorder.notes
 
 
 @contextlib.contextmanager

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import TracebackType
 
+from bahrs_driver.printable import printable
 from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.recording.metadata import as_yaml, Span, write_metadata
 from bahrs_driver.recording.sealed_file import SealedFile
@@ -23,6 +24,10 @@ from mcap.writer import CompressionType, MCAP0_MAGIC, Writer
 
 CHUNK_SIZE = 1 << 20        # bytes before compression
 LIBRARY = 'bahrs_driver'
+
+
+class ExistingFolderError(CaptureError):
+    """There is something under the name of a bag."""
 
 
 class BagWriter:
@@ -39,15 +44,16 @@ class BagWriter:
         name is what its files are called by, if not by the directory.
         """
         self.folder = Path(folder)
-        self._name = name or self.folder.resolve().name
+        self._name = _file_name(name or self.folder.resolve().name)
         self._topics: dict[str, Topic] = {}
         self._files: list[Span] = []
         try:
             self.folder.mkdir(parents=True)
         except FileExistsError as error:
-            raise CaptureError(f'{folder} exists already, and is not written over') from error
+            raise ExistingFolderError(
+                f'{printable(folder)} exists already, and is not written over') from error
         except OSError as error:
-            raise CaptureError(f'cannot make {folder}: {error.strerror}') from error
+            raise CaptureError(f'cannot make {printable(folder)}: {error.strerror}') from error
         self._broken = False
         self._begin_file()
 
@@ -129,7 +135,8 @@ class BagWriter:
         try:
             self._stream = SealedFile(self.folder / name, _end())
         except OSError as error:
-            raise CaptureError(f'cannot make {self.folder / name}: {error.strerror}') from error
+            raise CaptureError(
+                f'cannot make {printable(self.folder / name)}: {error.strerror}') from error
         self._writer = Writer(self._stream, CHUNK_SIZE,  # type: ignore[arg-type]
                               CompressionType.ZSTD)
         self._writer.start('ros2', LIBRARY)
@@ -158,7 +165,10 @@ class BagWriter:
             write_metadata(self.folder, self._topics.values(), self._files)
         except OSError as error:
             self._broken = True
-            raise CaptureError(f'cannot write into {self.folder}: {error.strerror}') from error
+            raise self._cannot_write(error) from error
+
+    def _cannot_write(self, error: OSError) -> CaptureError:
+        return CaptureError(f'cannot write into {printable(self.folder)}: {error.strerror}')
 
     def _guard(self, action: Callable[[], None]) -> None:
         try:
@@ -168,7 +178,13 @@ class BagWriter:
             raise
         except OSError as error:
             self._broken = True
-            raise CaptureError(f'cannot write into {self.folder}: {error.strerror}') from error
+            raise self._cannot_write(error) from error
+
+
+def _file_name(folder_name: str) -> str:
+    """Return a name for files: metadata.yaml is text, and holds no bytes that are none."""
+    return ''.join(character if character.isprintable() else '_'
+                   for character in folder_name) or 'bag'
 
 
 def _end() -> bytes:

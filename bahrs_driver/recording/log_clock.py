@@ -24,11 +24,7 @@ class Moment(NamedTuple):
     log_ns: int         # never goes back
     ros_ns: int         # as it was set at that moment
     raw_ns: int         # on a steady clock; never goes back
-
-    @property
-    def offset(self) -> int:
-        """Nanoseconds by which ROS time had been set by then."""
-        return self.ros_ns - self.log_ns
+    offset: int = 0     # by which ROS time had been set by then
 
 
 class Step(NamedTuple):
@@ -49,7 +45,6 @@ class LogClock:
         self._last = Moment(0, 0, 0)
         self._raw_ns: int | None = None     # of the last moment, as it was given
         self._elapsed = 0                   # between the last two moments
-        self._offset = 0
 
     def observe(self, ros_ns: int, raw_ns: int | None) -> Moment:
         """Return a moment with its log time; raw_ns is CLOCK_MONOTONIC_RAW, None if unknown."""
@@ -80,9 +75,9 @@ class LogClock:
         self._elapsed = elapsed
         steady_ns = last.raw_ns + elapsed
         step = step_between(Instant(last.raw_ns, last.ros_ns), Instant(steady_ns, ros_ns))
-        self._offset += step
-        log_ns = min(LATEST, max(last.log_ns, ros_ns - self._offset))
-        self._last = Moment(log_ns, ros_ns, steady_ns)
+        offset = last.offset + step
+        log_ns = min(LATEST, max(last.log_ns, ros_ns - offset))
+        self._last = Moment(log_ns, ros_ns, steady_ns, offset)
         if step:
             self._note(step)
 

@@ -4,7 +4,8 @@
 Listens to the topics of a node, whichever they are, and hands on what comes, serialised.
 
 Two threads: the executor's takes messages and finds topics, and the one that calls drain()
-writes. Log times are those of arrival; that of a `raw` message is the time of its read.
+writes. Log times are those of arrival, and of a `raw` message that of its read, on a clock that
+nobody sets (see `log_clock`).
 """
 
 from collections import deque
@@ -15,7 +16,10 @@ import time
 from typing import Any, NamedTuple
 
 from bahrs_driver.executor import StoppableExecutor
+from bahrs_driver.printable import printable
+from bahrs_driver.recording.arrival_clock import ArrivalClock
 from bahrs_driver.recording.origin import parse_label
+from bahrs_driver.recording.sequence_count import missed, SequenceCount
 from bahrs_driver.recording.topics import profile, Qos, Topic
 import rclpy
 from rclpy.clock import Clock, ClockType
@@ -28,15 +32,21 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from std_msgs.msg import UInt8MultiArray
 
 DEPTH = 5000                # messages of a topic that may wait for us
-SEARCH_PERIOD = 0.2         # s from one look for topics to the next
+# From one look for topics to the next, in s: rclpy does not tell when the graph changes. A look
+# takes 20 us.
+FAST_SEARCH, SLOW_SEARCH = 0.02, 0.2
+SETTLED = 2.0               # s without another topic, after which the slow search begins
+DISCOVERY = 10.0            # s within which a node that is there before us is found
 NANOSECONDS = 1_000_000_000
+# For how long a message may be overtaken by others, in ns: by the delays that were seen.
+LEAST_HOLD, LONGEST_HOLD = NANOSECONDS // 10, NANOSECONDS * 7 // 10
 RAW = 'raw'
 NEVER_RECORDED = ('parameter_events',)
 RAW_TYPE = 'std_msgs/msg/UInt8MultiArray'
 
 
 class Taken(NamedTuple):
-    """A message as it came. Times are ROS times in ns."""
+    """A message as it came. Times are in ns."""
 
     log_time: int
     topic: str
@@ -55,22 +65,45 @@ class Recorder:
         on_error is called with each exception of the recorder's own callbacks.
         """
         self.node_seen = False
-        self.lost = 0                   # messages that the publisher sent and we never had
+        self.notes: list[str] = []      # what is not recorded, and why
         self._name, self._namespace = node_name, '/' + namespace.strip('/')
         self._raw_only = raw_only
         self._known: set[str] = set()
-        self._sequence: dict[str, int] = {}
-        self._shared: set[str] = set()  # topics of several publishers, each of which counts
+        self._counts: dict[str, SequenceCount] = {}
+        self._is_new = False            # whether the node certainly began after us
+        self._clock = ArrivalClock()
+        self._began = self._found = time.monotonic()
         self._new_topics: deque[Topic] = deque()
         self._taken: deque[Taken] = deque()
         self._late: list[Taken] = []    # that drain() keeps back
         self._last = 0                  # log time of the latest that was handed on
+        self._delays = [0, 0]           # longest from arrival to being taken, of late, in ns
         self._node = rclpy.create_node(f'bahrs_record_{time.monotonic_ns() % 10 ** 9}')
-        self._node.create_timer(SEARCH_PERIOD, self._search,
-                                clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._timer = self._node.create_timer(
+            FAST_SEARCH, self._search, clock=Clock(clock_type=ClockType.STEADY_TIME))
         self._executor = StoppableExecutor(on_error)
         self._executor.add_node(self._node)
         self._thread = threading.Thread(target=self._executor.spin, name='recorder')
+
+    @property
+    def lost(self) -> int:
+        """How many messages were published between those that came, and did not come."""
+        return sum(count.lost for count in [*self._counts.values()])
+
+    @property
+    def missed(self) -> dict[str, int]:
+        """How many messages of each topic were published before we had found each other."""
+        return missed(dict(self._counts), self._clock.began, self._is_new)
+
+    @property
+    def clock_steps(self) -> list[str]:
+        """Return a sentence for each time that the host's clock was set."""
+        return self._clock.sentences()
+
+    def settled(self) -> int:
+        """Return the log time in ns up to which all has probably been taken."""
+        slowest, self._delays[:] = max(self._delays), [self._delays[1], 0]
+        return self._clock.now() - max(LEAST_HOLD, min(2 * slowest, LONGEST_HOLD))
 
     def start(self) -> None:
         """Begin to look and to listen."""
@@ -89,7 +122,7 @@ class Recorder:
         """
         Return what came since the last call, by log time and never before what was returned.
 
-        What came after a ROS time in ns is kept for the next call, so that what is older and
+        What came after a log time in ns is kept for the next call, so that what is older and
         still on its way comes before it.
         """
         items = self._late + [self._taken.popleft() for _ in range(len(self._taken))]
@@ -103,58 +136,72 @@ class Recorder:
         return ready
 
     def _search(self) -> None:
+        """Find the topics of the node that are not known yet."""
+        now = time.monotonic()
         try:
-            found = self._node.get_publisher_names_and_types_by_node(self._name, self._namespace)
+            topics = self._node.get_publisher_names_and_types_by_node(self._name, self._namespace)
         except NodeNameNonExistentError:
+            self._look_again(FAST_SEARCH)
             return
+        self._is_new |= not self.node_seen and now > self._began + DISCOVERY
         self.node_seen = True
-        for name, types in found:
+        for name, types in topics:
             base = name.rpartition('/')[2]
             if name in self._known or base in NEVER_RECORDED or self._raw_only and base != RAW:
                 continue
             offers = [info for info in self._node.get_publishers_info_by_topic(name)
-                      if info.node_name == self._name]
+                      if (info.node_name, info.node_namespace) == (self._name, self._namespace)]
             if offers:              # discovery may not have them yet
                 self._subscribe(name, types[0], offers)
+                self._found = now
+        self._look_again(FAST_SEARCH if now < self._found + SETTLED else SLOW_SEARCH)
+
+    def _look_again(self, period: float) -> None:
+        nanoseconds = round(period * NANOSECONDS)
+        if self._timer.timer_period_ns != nanoseconds:
+            self._timer.timer_period_ns = nanoseconds
 
     def _subscribe(self, name: str, type_name: str, offers: list[TopicEndpointInfo]) -> None:
         self._known.add(name)
-        package, _, message = type_name.split('/')
-        kind = getattr(import_module(f'{package}.msg'), message)
+        try:
+            package, _, message = type_name.split('/')
+            kind = getattr(import_module(f'{package}.msg'), message)
+        except (AttributeError, ImportError, ValueError):
+            self.notes.append(f'{printable(name)} is left out: its type {printable(type_name)} '
+                              'is not installed here')
+            return
         offered = offers[0].qos_profile
         self._new_topics.append(Topic(name, type_name, tuple(
             _profile(info.qos_profile) for info in offers)))
         wanted = QoSProfile(
             depth=DEPTH, history=HistoryPolicy.KEEP_LAST,
             reliability=offered.reliability, durability=offered.durability)
-        log_time = _read_time if name.endswith(f'/{RAW}') and type_name == RAW_TYPE else None
+        is_raw = name.endswith(f'/{RAW}') and type_name == RAW_TYPE
         self._node.create_subscription(
-            kind, name, self._taker(name, log_time),  # type: ignore[arg-type]
+            kind, name, self._taker(name, is_raw),  # type: ignore[arg-type]
             wanted, raw=True)
 
-    def _taker(self, name: str, log_time: Callable[[bytes], int | None] | None
-               ) -> Callable[[bytes, dict[str, Any]], None]:
-        def take(data: bytes, info: dict[str, Any]) -> None:
-            arrival = info['received_timestamp'] or time.time_ns()
-            self._count_lost(name, info.get('publication_sequence_number'))
-            self._taken.append(Taken(log_time and log_time(data) or arrival, name, data,
-                                     info['source_timestamp'] or arrival))
-        return take
+    def _taker(self, name: str, is_raw: bool) -> Callable[[bytes, dict[str, Any]], None]:
+        count = self._counts[name] = SequenceCount(lambda: self._node.count_publishers(name) > 1)
 
-    def _count_lost(self, name: str, sequence: int | None) -> None:
-        if sequence is None or name in self._shared:
-            return
-        last = self._sequence.get(name)
-        if last is not None and sequence != last + 1 and self._node.count_publishers(name) > 1:
-            self._shared.add(name)
-        elif last is not None and sequence > last + 1:
-            self.lost += sequence - last - 1
-        self._sequence[name] = sequence
+        def take(data: bytes, info: dict[str, Any]) -> None:
+            now, received = self._clock.now(), info['received_timestamp']
+            log_time = self._clock.log_time(now, _read_time(data) if is_raw else None, received)
+            sequence = info.get('publication_sequence_number')
+            if sequence:
+                count.add(sequence, log_time)
+            self._delays[1] = max(self._delays[1], now - log_time)
+            self._taken.append(Taken(
+                log_time, name, data, info['source_timestamp'] or received or log_time))
+        return take
 
 
 def _read_time(data: bytes) -> int | None:
-    """Return when the bytes of a raw message were read, if it says so."""
-    dimensions = deserialize_message(data, UInt8MultiArray).layout.dim
+    """Return when the bytes of a raw message were read, in ROS time, if it says so."""
+    try:
+        dimensions = deserialize_message(data, UInt8MultiArray).layout.dim
+    except Exception:               # bytes that another program published
+        return None
     origin = parse_label(dimensions[0].label) if dimensions else None
     return origin and origin.ros_ns
 

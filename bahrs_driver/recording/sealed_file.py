@@ -13,6 +13,7 @@ import contextlib
 import os
 from pathlib import Path
 
+from bahrs_driver.printable import printable
 from bahrs_driver.recording.errors import CaptureError
 
 
@@ -80,8 +81,8 @@ class SealedFile:
             with contextlib.suppress(OSError):
                 os.ftruncate(self._file, self._place)
                 _write(self._file, self._seal, self._place)
-            raise CaptureError(f'cannot write {self._path}: {error.strerror}; it has all that '
-                               'came before') from error
+            raise CaptureError(f'cannot write {printable(self._path)}: {error.strerror}; it has '
+                               'all that came before') from error
         self._place += len(data) - len(end)
 
 

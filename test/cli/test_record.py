@@ -5,12 +5,14 @@
 from collections import Counter
 import json
 import os
+import re
 import resource
 import signal
 
 from bahrs_driver.convert.bahrs import TOPICS
 from bahrs_driver.emulator.pty_port import PtyPort
-from bahrs_driver.protocol.bahrs_frames import BahrsFormat
+from bahrs_driver.protocol.bahrs import FORCE
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.recording.capture import read_capture
 from devices import DEEP, Device
@@ -18,6 +20,7 @@ from mcap.reader import make_reader
 from processes import driver, running, wait_for
 import pytest
 from rosbags.rosbag2 import Reader
+from set_clock import SettableClock
 import yaml
 
 LONG = 60.0
@@ -148,3 +151,58 @@ def test_bad_options(tmp_path):
         with running('bahrs', 'record', *words) as recorder:
             assert recorder.wait(LONG) in (1, 2)
         assert sentence in recorder.text and 'Traceback' not in recorder.text
+
+
+def test_a_driver_that_is_started_later(tmp_path):
+    """What was published before it was discovered is counted, and the way to avoid it told."""
+    bag = tmp_path / 'bag'
+    with PtyPort() as port, Device(port), running(
+            'bahrs', 'record', '-o', str(bag)) as recorder:
+        assert wait_for(lambda: 'there is no node' in recorder.text, LONG)
+        with driver(port.path, **DEEP):
+            assert wait_for(lambda: size(bag) > 60_000, LONG)
+            assert recorder.end() == 0
+    assert 'startup.wait_for_subscribers' in recorder.text
+    missed = int(re.search(r'(\d+) messages were published before driver and recorder',
+                           recorder.text)[1])
+    assert missed > 0
+
+
+def test_a_driver_that_waits_for_the_recorder(tmp_path):
+    """Nothing is missed, and the first message of each topic is in the bag."""
+    bag = tmp_path / 'bag'
+    with PtyPort() as port, Device(port), running(
+            'bahrs', 'record', '-o', str(bag), '--json') as recorder:
+        with driver(port.path, startup__wait_for_subscribers=60, publish__raw=True, **DEEP):
+            assert wait_for(lambda: size(bag) > 60_000, LONG)
+            assert recorder.end() == 0
+    told = json.loads(recorder.lines[-1])
+    assert told['lost'] == 0 and set(told['missed_before_discovery']) <= {'/diagnostics', '/rosout'}
+    framer, codec = Framer(BahrsFormat()), BahrsCodec()
+    first = codec.decode(next(frame for chunk in read_capture(bag).chunks()
+                              for frame in framer.feed(chunk.data)))
+    # The force along x tells the number of the message.
+    assert first.specific_force[0] == pytest.approx(0.0, abs=FORCE / 2)
+
+
+@pytest.mark.parametrize('raw_only', [True, False])
+def test_a_clock_that_is_set_back(tmp_path, raw_only):
+    """Log times go on evenly, the step is told, and a signal ends it."""
+    bag, clock = tmp_path / 'bag', SettableClock(tmp_path)
+    words = ['--raw-only'] * raw_only
+    with PtyPort() as port, Device(port), clock.used(), \
+            driver(port.path, publish__raw=True, **DEEP), \
+            running('bahrs', 'record', '-o', str(bag), '--json', *words) as recorder:
+        assert wait_for(lambda: size(bag) > 5_000, LONG)
+        before = size(bag)
+        clock.set_back(3600.0)
+        assert wait_for(lambda: size(bag) > before + 10_000, LONG)
+        assert recorder.end() == 0
+    told = json.loads(next(line for line in recorder.lines if line.startswith('{')))
+    step, = told['clock_steps']
+    assert "the host's clock was set by -3600.0000" in step or 'by -3599.9999' in step
+    with (bag / 'bag_0.mcap').open('rb') as file:
+        times = [message.log_time for _, channel, message in make_reader(file).iter_messages(
+            log_time_order=False) if channel.topic == '/raw']
+    assert times == sorted(times) and len(set(times)) > 0.9 * len(times)
+    assert 0.5e9 < times[-1] - times[0] < LONG * 1e9
