@@ -26,7 +26,7 @@ from bahrs_driver.parameter import ParameterError
 from bahrs_driver.receiver import Received, Receiver
 from bahrs_driver.recording.origin import Origin
 from bahrs_driver.sensors import ROS_CLOCK, SENSORS
-from bahrs_driver.settings.command_line import ParameterArguments
+from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.node_settings import NodeSettings
 from bahrs_driver.settings.parameter_requests import ParameterRequests
 from bahrs_driver.sim_time import keep_host_time
@@ -53,7 +53,7 @@ class DriverNode(Node):
 
     def __init__(self) -> None:
         """Read the parameters and make the parts; ParameterError if one is bad."""
-        arguments = ParameterArguments.from_words(sys.argv)
+        arguments = RosArguments.from_words(sys.argv)
         super().__init__('bahrs_driver', cli_args=arguments.node_arguments(),
                          start_parameter_services=False)
         self._log = self.get_logger()  # type: ignore[no-untyped-call]

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The settings that a node has with the words of a command line."""
 
-from bahrs_driver.settings.command_line import ParameterArguments
+from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.node_settings import NodeSettings
 import rclpy
 from rclpy.context import Context
@@ -10,7 +10,7 @@ from rclpy.context import Context
 
 def settings_of(words):
     """Return the values of all parameters of a node that is started with a command."""
-    arguments = ParameterArguments.from_words(words)
+    arguments = RosArguments.from_words(words)
     context = Context()
     context.init(words)
     node = rclpy.create_node('bahrs_driver', context=context,

@@ -1,50 +1,56 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The parameters on a command line: files, and rules NAME:=VALUE.
+What a command line sets: parameter files, rules NAME:=VALUE, and remappings FROM:=TO.
 
-rcl merges them by the name of the node that each is for, and so a rule can lose to a file that
-stands before it: the file if it names the node, where rules are for all nodes; or the first of two
-values of different types, of which it keeps both. Rules that are given to the node itself, rather
-than to the process, come after all of these. So the last rules go to the node once more.
+rcl merges parameters by the name of the node that each is for, and so a rule can lose to a file
+that stands before it: the file if it names the node, where rules are for all nodes; or the first of
+two values of different types, of which it keeps both. Rules that are given to the node itself,
+rather than to the process, come after all of these. So the last rules go to the node once more.
 """
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from dataclasses import dataclass, field
 
 RULE_FLAGS = ('-p', '--param')
+REMAP_FLAGS = ('-r', '--remap')
 FILE_FLAG = '--params-file'
 # Other flags that take the word after them.
-FLAGS_WITH_VALUE = ('-r', '--remap', '-e', '--enclave', '--log-level', '--log-config-file',
-                    '--log-file-name')
+FLAGS_WITH_VALUE = ('-e', '--enclave', '--log-level', '--log-config-file', '--log-file-name')
 
 
-class ParameterArguments(NamedTuple):
-    """Parameter files, in order, and the rules that come after the last of them."""
+@dataclass
+class RosArguments:
+    """Parameter files, rules for parameters and remappings, each in order."""
 
-    files: list[str]
-    rules: list[str]
+    files: list[str] = field(default_factory=list)
+    rules: list[str] = field(default_factory=list)
+    remappings: list[str] = field(default_factory=list)
+    last_rules: dict[str, str] = field(default_factory=dict)    # after all files, by their names
 
     @classmethod
-    def from_words(cls, words: Sequence[str]) -> 'ParameterArguments':
+    def from_words(cls, words: Sequence[str]) -> 'RosArguments':
         """Find them among the words of a command line."""
-        files: list[str] = []
-        rules: dict[str, str] = {}
+        found = cls()
         for flag, value in _flags(words):
             if flag == FILE_FLAG and value:
-                files.append(value)
-                rules.clear()
+                found.files.append(value)
+                found.last_rules.clear()
             elif flag in RULE_FLAGS:
+                found.rules.append(value)
                 name = value.partition(':=')[0]
-                rules.pop(name, None)
-                rules[name] = value
-        return cls(files, list(rules.values()))
+                found.last_rules.pop(name, None)
+                found.last_rules[name] = value
+            elif flag in REMAP_FLAGS:
+                found.remappings.append(value)
+        return found
 
     def node_arguments(self) -> list[str] | None:
-        """Return the arguments of a node to which the rules must apply."""
-        if not self.rules:
+        """Return the arguments of a node to which the last rules must apply."""
+        if not self.last_rules:
             return None
-        return ['--ros-args', *(word for rule in self.rules for word in ('-p', rule))]
+        return ['--ros-args', *(word for rule in self.last_rules.values()
+                                for word in ('-p', rule))]
 
 
 def _flags(words: Sequence[str]) -> Iterator[tuple[str, str]]:
@@ -53,5 +59,5 @@ def _flags(words: Sequence[str]) -> Iterator[tuple[str, str]]:
     for word in rest:
         if word == '--ros-args' or word == '--':
             inside = word == '--ros-args'
-        elif inside and word in (*RULE_FLAGS, FILE_FLAG, *FLAGS_WITH_VALUE):
+        elif inside and word in (*RULE_FLAGS, *REMAP_FLAGS, FILE_FLAG, *FLAGS_WITH_VALUE):
             yield word, next(rest, '')

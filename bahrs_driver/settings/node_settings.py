@@ -6,21 +6,20 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from bahrs_driver.parameters import PARAMETERS
-from bahrs_driver.printable import printable
-from bahrs_driver.settings.command_line import ParameterArguments
-from bahrs_driver.settings.parameter_files import other_nodes
+from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.qos_overrides import check_qos_overrides
 from bahrs_driver.settings.unused import unknown_parameter, unused_parameters
+from bahrs_driver.settings.unused_arguments import unused_arguments
 from rclpy.node import Node
 
 
 class NodeSettings:
     """What the user gave to a node, and the values of all parameters."""
 
-    def __init__(self, node: Node, arguments: ParameterArguments) -> None:
+    def __init__(self, node: Node, arguments: RosArguments) -> None:
         """Declare all parameters on a node; ParameterError if a value is not valid."""
         self._node = node
-        self._files = arguments.files
+        self._arguments = arguments
         # rclpy has no public name for it, and would declare what does not exist.
         self._given: dict[str, Any] = {
             name: parameter.value for name, parameter in node._parameter_overrides.items()}
@@ -36,7 +35,7 @@ class NodeSettings:
         """
         Yield sentences about settings that are used in another form, or not at all.
 
-        The node must have all its publishers and subscriptions.
+        The node must have all its publishers, subscriptions and services.
         """
         for parameter in PARAMETERS:
             if parameter.name in self._given:
@@ -44,7 +43,7 @@ class NodeSettings:
                 if correction:
                     yield correction
         unused = [*unused_parameters(self._given, self.values), *self._unknown(),
-                  *self._files_of_others()]
+                  *unused_arguments(self._node, self._arguments)]
         if unused:
             yield f'settings without effect: {"; ".join(unused)}'
 
@@ -53,12 +52,3 @@ class NodeSettings:
         for name in self._given:
             if not self._node.has_parameter(name):
                 yield unknown_parameter(name, known)
-
-    def _files_of_others(self) -> Iterator[str]:
-        node = self._node.get_fully_qualified_name()
-        for file in self._files:
-            names = other_nodes(file, node)
-            if names is not None:
-                whose = f'parameters of {", ".join(names)}' if names else 'no parameters'
-                yield (f'parameter file {printable(file)} (it has {printable(whose)} only, use '
-                       f'the key /** or {node})')

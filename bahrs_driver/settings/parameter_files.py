@@ -45,7 +45,16 @@ def other_nodes(file: str, node: str) -> list[str] | None:
     if documents is None:
         return None
     names = [name for document in documents for name in _node_names(document)]
-    return None if any(_matches(name, node) for name in names) else list(dict.fromkeys(names))
+    return None if any(matches_node(name, node) for name in names) else list(dict.fromkeys(names))
+
+
+def matches_node(pattern: str, node: str) -> bool:
+    """Return whether a name in a file, perhaps with * or **, is that of a node, as rclpy does."""
+    absolute = pattern if pattern.startswith('/') else f'/{pattern}'
+    try:
+        return re.fullmatch(absolute.replace('/*', r'(/\w+)'), node, re.ASCII) is not None
+    except re.error:
+        return False
 
 
 def _load(file: str) -> list[Any] | None:
@@ -69,12 +78,3 @@ def _node_names(tree: Any, prefix: str = '') -> Iterator[str]:
             yield prefix
         else:
             yield from _node_names(value, f'{prefix}/{key}' if prefix else str(key))
-
-
-def _matches(pattern: str, node: str) -> bool:
-    """Return whether a name in a file, perhaps with * or **, is that of a node, as rclpy does."""
-    absolute = pattern if pattern.startswith('/') else f'/{pattern}'
-    try:
-        return re.fullmatch(absolute.replace('/*', r'(/\w+)'), node, re.ASCII) is not None
-    except re.error:
-        return False

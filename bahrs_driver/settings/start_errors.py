@@ -7,7 +7,7 @@ import re
 
 from bahrs_driver.parameter import ParameterError
 from bahrs_driver.printable import printable
-from bahrs_driver.settings.command_line import ParameterArguments
+from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.parameter_files import problem
 from rclpy.exceptions import ParameterException
 
@@ -40,7 +40,7 @@ def explain(error: Exception, words: Sequence[str]) -> str:
         # Of those of rclpy itself, which are declared before any of ours.
         name = re.search(r"parameter '(\w+)'", str(error))
         return f'parameter {name[1]} must be true or false' if name else printable(error)
-    for file in ParameterArguments.from_words(words).files:
+    for file in RosArguments.from_words(words).files:
         reason = problem(file)
         if reason:
             return reason

@@ -6,7 +6,7 @@ import importlib.util
 from pathlib import Path
 import runpy
 
-from bahrs_driver.settings.command_line import ParameterArguments
+from bahrs_driver.settings.command_line import RosArguments
 from hypothesis import given, strategies as st
 import launch_stand_in
 import pytest
@@ -89,10 +89,11 @@ def launch(request):
 def of_node(command):
     """Return the name, namespace and parameter files of a node, and the parameters of rules."""
     remaps = dict(word.split(':=') for word in command if word.startswith('__'))
-    files, rules = ParameterArguments.from_words(command)
+    arguments = RosArguments.from_words(command)
     values = {name: value.splitlines()[0] for name, value in (
-        rule.split(':=') for rule in rules)}
-    return remaps['__node'], remaps['__ns'], [Path(file).name for file in files], values
+        rule.split(':=') for rule in arguments.last_rules.values())}
+    return (remaps['__node'], remaps['__ns'], [Path(file).name for file in arguments.files],
+            values)
 
 
 def test_nothing_is_given(launch):

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which value of a parameter is used: the last on the command line, whatever rcl makes of it."""
 
-from bahrs_driver.settings.command_line import ParameterArguments
+from bahrs_driver.settings.command_line import RosArguments
 from hypothesis import given, strategies as st
 import pytest
 from settings_of import settings_of
@@ -21,7 +21,8 @@ import yaml
 ])
 def test_files_and_rules_are_found(words, files, rules):
     """Only those between --ros-args and --, and of the rules the last of each name."""
-    assert ParameterArguments.from_words(words) == (files, rules)
+    arguments = RosArguments.from_words(words)
+    assert arguments.files == files and list(arguments.last_rules.values()) == rules
 
 
 def written(folder, number, key, name, value):

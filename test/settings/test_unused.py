@@ -9,7 +9,7 @@ from bahrs_driver.link import Link
 from bahrs_driver.parameters import defaults, PARAMETERS
 from bahrs_driver.sensors import SENSORS
 from bahrs_driver.settings.unused import RATES, unused_parameters, why_unused
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, HealthCheck, settings, strategies as st
 import pytest
 from recorded_settings import RecordedSettings, values_of
 from starting import start
@@ -84,6 +84,35 @@ def test_one_warning_lists_them_all(monkeypatch, capfd, tmp_path):
                  '/** or /front)'):
         assert part in lines[0]
     assert 'publish.raw' not in lines[0] and lines[0].count('imu/data.publisher.depth') == 1
+
+
+@pytest.mark.parametrize('words, reason', [
+    (['-r', 'imu/dta:=x'], '-r imu/dta:=x (there is no such topic or service)'),
+    (['-r', '/imu/data:=x', '-r', '__ns:=/left'], '-r /imu/data:=x (there is no such topic or'),
+    (['-r', 'other:imu/data:=x'], '-r other:imu/data:=x (it is for a node other)'),
+    (['-r', 'rostopic://raw:=x'], '-r rostopic://raw:=x (there is no such topic or service)'),
+    (['-p', 'front:port:=x'], '-p front:port:=x (it is for node /front)'),
+    (['-p', 'front:port:=x', '-r', '__node:=front', '-r', '__ns:=/left'],
+     '-p front:port:=x (it is for node /front)'),
+])
+def test_arguments_without_effect(monkeypatch, capfd, words, reason):
+    """Remappings of no topic, and rules for another node."""
+    status, lines = start(monkeypatch, capfd, *words)
+    assert status == 0 and len(lines) == 1 and f'settings without effect: {reason}' in lines[0]
+
+
+TOPICS_AND_SERVICES = st.sampled_from([
+    'imu/data', '/imu/data', '/diagnostics', 'integrity', '~/self_test', '~/nvm/dump',
+    'bahrs_driver/nvm/dump', 'nvm/page', 'rostopic://heading', 'rosservice://~/self_test',
+    'bahrs_driver:velocity', 'tf', '/tf_static', '/clock'])
+
+
+@settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(names=st.lists(TOPICS_AND_SERVICES, unique=True, max_size=3))
+def test_remappings_with_an_effect_are_not_listed(monkeypatch, capfd, names):
+    """Nor those that a launch file gives to all of its nodes."""
+    words = [word for number, name in enumerate(names) for word in ('-r', f'{name}:=x{number}')]
+    assert start(monkeypatch, capfd, *words) == (0, [])
 
 
 def test_nothing_is_listed_for_nothing(monkeypatch, capfd):
