@@ -4,8 +4,8 @@
 What a command line sets: parameter files, rules NAME:=VALUE, and remappings FROM:=TO.
 
 rcl merges parameters by the name of the node that each is for, and so a rule can lose to a file
-that stands before it: the file if it names the node, where rules are for all nodes; or the first of
-two values of different types, of which it keeps both. Rules that are given to the node itself,
+that stands before it: the file if it names the node, where rules are for all nodes; or the first
+of two values of different types, of which it keeps both. Rules that are given to the node itself,
 rather than to the process, come after all of these. So the last rules go to the node once more.
 """
 
@@ -21,10 +21,9 @@ FLAGS_WITH_VALUE = ('-e', '--enclave', '--log-level', '--log-config-file', '--lo
 
 @dataclass
 class RosArguments:
-    """Parameter files, rules for parameters and remappings, each in order."""
+    """Parameter files and rules for parameters, remappings, each in order."""
 
-    files: list[str] = field(default_factory=list)
-    rules: list[str] = field(default_factory=list)
+    sources: list[tuple[str, str]] = field(default_factory=list)    # flag, and file or rule
     remappings: list[str] = field(default_factory=list)
     last_rules: dict[str, str] = field(default_factory=dict)    # after all files, by their names
 
@@ -34,16 +33,26 @@ class RosArguments:
         found = cls()
         for flag, value in _flags(words):
             if flag == FILE_FLAG and value:
-                found.files.append(value)
+                found.sources.append((flag, value))
                 found.last_rules.clear()
             elif flag in RULE_FLAGS:
-                found.rules.append(value)
+                found.sources.append((RULE_FLAGS[0], value))
                 name = value.partition(':=')[0]
                 found.last_rules.pop(name, None)
                 found.last_rules[name] = value
             elif flag in REMAP_FLAGS:
                 found.remappings.append(value)
         return found
+
+    @property
+    def files(self) -> list[str]:
+        """Return the parameter files."""
+        return [value for flag, value in self.sources if flag == FILE_FLAG]
+
+    @property
+    def rules(self) -> list[str]:
+        """Return the rules for parameters."""
+        return [value for flag, value in self.sources if flag != FILE_FLAG]
 
     def node_arguments(self) -> list[str] | None:
         """Return the arguments of a node to which the last rules must apply."""

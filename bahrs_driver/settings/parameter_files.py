@@ -59,6 +59,12 @@ def matches_node(pattern: str, node: str) -> bool:
 
 def _load(file: str) -> list[Any] | None:
     """Return the documents in a file, with all values as text; None if it is a pipe."""
+    text = load_text(file)
+    return None if text is None else list(yaml.load_all(text, Loader=yaml.BaseLoader))
+
+
+def load_text(file: str) -> str | None:
+    """Return what is in a file, None if it is a pipe; OSError or ValueError if it is no text."""
     path = Path(file)
     if path.exists() and not path.is_file() and not path.is_dir():
         return None
@@ -66,7 +72,7 @@ def _load(file: str) -> list[Any] | None:
         data = stream.read(LARGEST + 1)
     if len(data) > LARGEST:
         raise ValueError('too large')
-    return list(yaml.load_all(data.decode(), Loader=yaml.BaseLoader))
+    return data.decode()
 
 
 def _node_names(tree: Any, prefix: str = '') -> Iterator[str]:

@@ -8,6 +8,7 @@ import re
 from bahrs_driver.printable import printable
 from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.parameter_files import matches_node, other_nodes
+from bahrs_driver.settings.type_clashes import lost_values
 from rclpy.node import Node
 
 # Names of every node, and topics that a launch file remaps for all of its nodes.
@@ -29,6 +30,7 @@ def unused_arguments(node: Node, arguments: RosArguments) -> Iterator[str]:
             whose = f'parameters of {", ".join(names)}' if names else 'no parameters'
             yield (f'parameter file {printable(file)} (it has {printable(whose)} only, use the '
                    f'key /** or {full_name})')
+    yield from lost_values(arguments, full_name)
     for rule in arguments.rules:
         owner = _split(rule)[0]
         if owner and not matches_node(owner, full_name):

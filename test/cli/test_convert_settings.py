@@ -25,8 +25,8 @@ OF_CONVERSION = {'sensor', 'baud_rate'} | {
 def test_values():
     """As the node has them, in the form that the driver uses."""
     values, notes = read_settings(
-        ['stddev.velocity:=1', 'magnetic_field.strength:=4e-5', 'frame_id:=/imu', 'frame_convention:=ned',
-         'crc_order:=word'], 'bahrs')
+        ['stddev.velocity:=1', 'magnetic_field.strength:=4e-5', 'frame_id:=/imu',
+         'frame_convention:=ned', 'crc_order:=word'], 'bahrs')
     assert values['magnetic_field.strength'] == 4e-5
     assert values['stddev.velocity'] == 1.0 and values['frame_id'] == 'imu'
     assert values['crc_order'] == 'word' and values['sensor'] == 'bahrs'

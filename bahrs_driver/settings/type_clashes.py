@@ -1,0 +1,103 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Values that rcl does not use because an earlier one for the same node has another type.
+
+It keeps one value of each type, and takes the first of these types: bool, int, double, string.
+So of velocity: 1 in one file and velocity: 0.5 in the next it takes 1.
+"""
+
+from collections.abc import Iterator
+import re
+from typing import NamedTuple
+
+from bahrs_driver.printable import printable
+from bahrs_driver.settings.command_line import FILE_FLAG, RosArguments
+from bahrs_driver.settings.parameter_files import load_text, matches_node, VALUES_KEY
+import yaml
+
+_BOOLS = {'y', 'yes', 'true', 'on', 'n', 'no', 'false', 'off'}
+_INT = re.compile(r'[-+]?(0x[0-9a-fA-F]+|\d+)')
+_FLOAT = re.compile(r'[-+]?(\d+\.?\d*([eE][-+]?\d+)?|\.\d+([eE][-+]?\d+)?|\.inf|\.nan)',
+                    re.IGNORECASE)
+_TYPES = ('bool', 'int', 'double', 'string', 'array')       # in the order in which rcl takes them
+
+
+class _Definition(NamedTuple):
+    """A value of a parameter for a node, as it is written."""
+
+    node: str
+    name: str
+    type: str
+    text: str
+
+
+def lost_values(arguments: RosArguments, node: str) -> Iterator[str]:
+    """Yield the values of a node (fully qualified) that are its last and are not used."""
+    earlier: dict[tuple[str, str], set[str]] = {}
+    lost: dict[tuple[str, str], str] = {}
+    for definition in _definitions(arguments):
+        key = definition.node, definition.name
+        types = earlier.setdefault(key, set())
+        types.add(definition.type)
+        lost.pop(key, None)
+        if min(types, key=_TYPES.index) != definition.type:
+            lost[key] = f'{definition.name}: {definition.text}'
+    for (owner, name), text in lost.items():
+        if matches_node(owner, node) and name not in arguments.last_rules:
+            yield (f'{printable(text)} (rcl uses an earlier value of another type: write both '
+                   'in the same form)')
+
+
+def _definitions(arguments: RosArguments) -> Iterator[_Definition]:
+    for flag, source in arguments.sources:
+        try:
+            if flag == FILE_FLAG:
+                for document in yaml.compose_all(load_text(source) or '', Loader=yaml.SafeLoader):
+                    yield from _of_nodes(document, '')
+            else:
+                yield from _of_rule(source)
+        except (OSError, ValueError, RecursionError, yaml.YAMLError):
+            continue                    # what cannot be read here is not compared
+
+
+def _of_rule(rule: str) -> Iterator[_Definition]:
+    name, _, text = rule.partition(':=')
+    owner, _, name = name.rpartition(':')
+    value = yaml.compose(text, Loader=yaml.SafeLoader)
+    if value is not None:
+        yield _Definition(owner or '/**', name, _type(value), text)
+
+
+def _of_nodes(tree: yaml.Node, prefix: str) -> Iterator[_Definition]:
+    for key, value in _items(tree):
+        if key.startswith(VALUES_KEY):
+            yield from _of_parameters(value, prefix, '')
+        else:
+            yield from _of_nodes(value, f'{prefix}/{key}' if prefix else key)
+
+
+def _of_parameters(tree: yaml.Node, node: str, prefix: str) -> Iterator[_Definition]:
+    for key, value in _items(tree):
+        if isinstance(value, yaml.MappingNode):
+            yield from _of_parameters(value, node, f'{prefix}{key}.')
+        else:
+            yield _Definition(node, prefix + key, _type(value), str(value.value))
+
+
+def _items(tree: yaml.Node) -> Iterator[tuple[str, yaml.Node]]:
+    if isinstance(tree, yaml.MappingNode):
+        yield from ((str(key.value), value) for key, value in tree.value)
+
+
+def _type(value: yaml.Node) -> str:
+    """Return the type that rcl makes of a value."""
+    if not isinstance(value, yaml.ScalarNode):
+        return 'array'
+    if value.style in ('"', "'") or value.tag.endswith(':binary'):
+        return 'string'
+    if value.value.lower() in _BOOLS:
+        return 'bool'
+    if _INT.fullmatch(value.value):
+        return 'int'
+    return 'double' if _FLOAT.fullmatch(value.value) else 'string'
