@@ -11,7 +11,7 @@ import shutil
 import sys
 
 from bahrs_driver.cli.captures import open_capture, sensor_of
-from bahrs_driver.cli.convert_settings import read_settings
+from bahrs_driver.cli.convert_settings import read_settings, unused_options
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.cli.ros import checked_namespace
@@ -87,7 +87,8 @@ def run(options: argparse.Namespace) -> int:
         raise CommandError(str(error)) from error
     finally:
         shutil.rmtree(half_done, ignore_errors=True)
-    _report(options, [*capture.notes, *notes, *conversion.notices, *outcome.clock_steps], outcome)
+    _report(options, [*unused_options(options, capture.timed), *notes, *capture.notes,
+                      *conversion.notices, *outcome.clock_steps], outcome)
     return 0
 
 

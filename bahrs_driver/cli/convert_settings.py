@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The parameters of the driver for a conversion, from the options -p NAME:=VALUE."""
 
+import argparse
 from collections.abc import Mapping, Sequence
 import contextlib
 from typing import Any
@@ -42,6 +43,18 @@ def read_settings(rules: Sequence[str], sensor: str) -> tuple[Mapping[str, Any],
     if unused:
         notes.append(f'settings without effect: {"; ".join(unused)}')
     return settings, notes
+
+
+def unused_options(options: argparse.Namespace, timed: bool) -> list[str]:
+    """Return a sentence if there are options without effect on a recording with times or not."""
+    unused = []
+    if options.start is not None and timed:
+        unused.append('--start (the recording has times)')
+    if options.topic is not None and not timed:
+        unused.append('--topic (a file of bytes has no topics)')
+    if options.namespace and options.kind == 'csv':
+        unused.append('--namespace (CSV files are named after topics without it)')
+    return [f'options without effect: {"; ".join(unused)}'] if unused else []
 
 
 def _parse(rule: str) -> tuple[str, Any]:

@@ -203,6 +203,17 @@ def test_what_is_refused(byte_file, tmp_path, words, status, sentence):
     assert {path.name for path in tmp_path.iterdir()} == {'flight.bin', 'noise'}
 
 
+def test_options_without_effect_are_listed(byte_file, tmp_path):
+    """And parameters, each with the reason."""
+    status, text = convert(byte_file, tmp_path / 'out', '--as', 'csv', '--topic', '/raw',
+                           '--namespace', 'left', '-p', 'port:=/dev/x', '-p', 'gps.week:=5')
+    assert status == 0
+    assert 'bahrs convert: options without effect: --topic (a file of bytes has no topics); ' \
+        '--namespace (CSV files' in text
+    assert 'bahrs convert: settings without effect: gps.week (sensor is bahrs); port (it is for ' \
+        'a port)' in text
+
+
 def test_rates_of_requests_are_refused_for_what_was_recorded(tmp_path):
     """With one, every answer would be one that nobody waits for."""
     with BagWriter(tmp_path / 'bag') as bag:

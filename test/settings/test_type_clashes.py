@@ -11,7 +11,8 @@ from starting import start
 
 # As YAML, and as rcl reads it.
 VALUES = {'1': 1, '2.5': 2.5, '1e-5': 1e-5, '0x10': 16, 'true': True, 'off': False, 'text': 'text',
-          '"1"': '1', "'true'": 'true', '.inf': float('inf'), '-7': -7, '+.5': 0.5, '1_000': '1_000'}
+          '"1"': '1', "'true'": 'true', '.inf': float('inf'), '-7': -7, '+.5': 0.5,
+          '1_000': '1_000'}
 KEYS = ('/**', '/bahrs_driver', 'other')
 
 
