@@ -14,6 +14,8 @@ def progress_bar() -> Iterator[Progress]:
     """Show a bar on a terminal, and write nothing at all into a file or a pipe."""
     console = Console(stderr=True)
     progress = Progress(console=console, transient=True)
-    # Not with disable=True: rich 13 ends even a disabled bar with an empty line.
-    with progress if console.is_terminal else contextlib.nullcontext():
+    with contextlib.ExitStack() as stack:
+        # Not with disable=True: rich 13 ends even a disabled bar with an empty line.
+        if console.is_terminal:
+            stack.enter_context(progress)
         yield progress

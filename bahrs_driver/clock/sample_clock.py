@@ -179,8 +179,9 @@ class SampleClock:
             self._feed_held()
 
     def _pulse(self, item: Held) -> None:
-        item.device = item.message.device_time_us * MICROSECOND
-        self._pulses.take(item.device)
+        device: int = item.message.device_time_us * MICROSECOND
+        item.device = device
+        self._pulses.take(device)
 
     def _latest_count(self, bound: int) -> int | None:
         """Return the highest count that a sample with this bound can have, if known."""

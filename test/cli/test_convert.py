@@ -109,7 +109,8 @@ def test_what_the_node_published_is_made_again(tmp_path):
         theirs, ours = messages[skip:], new_messages[begin:]
         count = min(len(ours), len(theirs))
         assert ours[:count] == theirs[:count]
-        assert count > 0.8 * len(messages)
+        # Of few messages, one may have come before the first sample.
+        assert count and len(messages) - count <= max(1, 0.2 * len(messages))
         if stamps[skip] is not None:
             assert all(abs(new - old) < NEAR
                        for old, new in zip(stamps[skip:], new_stamps[begin:]))
