@@ -35,7 +35,7 @@ def test_a_topic_without_a_subscriber(cable):
             driver(cable.path, startup__wait_for_subscribers=0.5) as node:
         ear.wait('imu/data')
         warning = next(line for line in node.lines if 'no subscriber within 0.5 s' in line)
-        assert 'imu/mag' in warning and 'imu/data,' not in warning
+        assert 'imu/mag' in warning
 
 
 def test_a_signal_while_it_waits(cable):
