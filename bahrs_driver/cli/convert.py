@@ -10,14 +10,14 @@ from pathlib import Path
 import shutil
 import sys
 
-from bahrs_driver.cli.captures import open_capture, sensor_of
 from bahrs_driver.cli.convert_settings import read_settings, unused_options
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.cli.ros import checked_namespace
+from bahrs_driver.cli.sensors import sensor_of
 from bahrs_driver.link import Link
 from bahrs_driver.parameter import ParameterError
-from bahrs_driver.recording.capture import Capture
+from bahrs_driver.recording.capture import Capture, read_capture
 from bahrs_driver.recording.conversion import Conversion, Outcome
 from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.recording.outputs import BagOutput, CsvOutput
@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
         raise CommandError(f'{target} exists already, and is not written over')
     half_done = target.with_name(f'.{target.name}.partial')
     try:
-        capture = open_capture(options.input, options.topic)
+        capture = read_capture(options.input, options.topic)
         name = sensor_of(capture, options.sensor, SENSORS)
         if name in LISTENING and not capture.timed:
             raise CommandError(f'{options.input} cannot be converted: answers of a {name} have no '

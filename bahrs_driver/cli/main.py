@@ -13,6 +13,7 @@ from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.signals import interrupt_on_signals
 from bahrs_driver.exit_timer import exit_after
 from bahrs_driver.printable import printable
+from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.ros_start import check_import, missing_module, RosStartError
 from bahrs_driver.shutdown_event import ignore_signals
 
@@ -63,7 +64,7 @@ def _status(verb: str, words: list[str], for_ros: list[str]) -> int:
     try:
         interrupt_on_signals()
         return _run(verb, words, for_ros)
-    except (CommandError, RosStartError) as error:
+    except (CaptureError, CommandError, RosStartError) as error:
         print(f'bahrs {verb}: {error}', file=sys.stderr)
         return 1
     except KeyboardInterrupt:

@@ -100,9 +100,9 @@ def _new_bag(output: str | None) -> BagWriter:
     for folder in chain([base], (f'{base}_{number}' for number in count(2))):
         try:
             return BagWriter(folder)
-        except CaptureError as error:
-            if output or not isinstance(error, ExistingFolderError):
-                raise CommandError(str(error)) from error
+        except ExistingFolderError:
+            if output:
+                raise
     raise AssertionError('there are always more names')
 
 

@@ -9,23 +9,25 @@ import sys
 import time
 
 from bahrs_driver.cli.arguments import a_number, checked, positive
-from bahrs_driver.cli.captures import open_capture, sensor_of
+from bahrs_driver.cli.sensors import sensor_of
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.files import binary_input, STANDARD_INPUT
 from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.emulator.cable import adapter_mode, AT_ONCE, Cable
 from bahrs_driver.emulator.faults import Faults, NAMES as FAULTS, parse_fault
 from bahrs_driver.emulator.pacing import paced, Piece, through
+from bahrs_driver.emulator.player import Player
 from bahrs_driver.emulator.pty_port import PtyPort
 from bahrs_driver.printable import printable
 from bahrs_driver.protocol.bahrs_frames import BahrsFormat
 from bahrs_driver.protocol.framing import FrameFormat, Framer
 from bahrs_driver.protocol.titan_frames import AnswerFormat
-from bahrs_driver.recording.capture import Capture, PIECE
+from bahrs_driver.recording.capture import Capture, PIECE, read_capture
 from bahrs_driver.recording.log_clock import LogClock
 
 BAUD_RATE = 115200
 LONGEST_UNREAD = 60.0       # s that a reader may take for the last bytes
+REOPEN_TIMEOUT = 10.0       # s; a driver that was started again opens the port within a few
 FORMATS: dict[str, Callable[[], FrameFormat]] = {'bahrs': BahrsFormat, 'titan_m': AnswerFormat}
 
 _EXAMPLES = """examples:
@@ -41,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         'Make a serial port (a pseudo-terminal), print its path, wait until somebody opens\n'
         'it, and play what a device sent: a bag that holds raw as it was read, bytes of a\n'
-        'BAHRS at the rates of the device.')
+        'BAHRS at the rates of the device. Playing pauses while nobody has the port open.')
     parser.epilog = '\n'.join([
         _EXAMPLES, 'faults, with a rate from 0 to 1 for each byte or frame:',
         *(f'  {name:<28}{text}' for name, text in FAULTS.items())])
@@ -54,6 +56,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--settle', type=a_number('a time', 0.0), default=0.5, metavar='SECONDS',
                         help='time given to whoever opens the port before the first byte '
                              '(default: %(default)s)')
+    parser.add_argument('--reopen-timeout', type=a_number('a time', 0.0), metavar='SECONDS',
+                        help='how long to wait, when the port has been closed, until it is opened '
+                             f'again (default: {REOPEN_TIMEOUT:g}, with --loop no limit)')
     parser.add_argument('--topic', metavar='NAME',
                         help='topic of the bytes, for a bag with several')
     parser.add_argument('--json', action='store_true',
@@ -73,13 +78,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Play the file; Ctrl-C ends it."""
+    """Play the file; Ctrl-C ends it. 1 if its reader has gone before the end."""
     if options.file == STANDARD_INPUT:
         with binary_input(options.file) as file:
             content = file.read()
         capture = None
     else:
-        content, capture = b'', open_capture(options.file, options.topic)
+        content, capture = b'', read_capture(options.file, options.topic)
         if not capture.size:
             raise CommandError(f'{printable(options.file)} is empty: there is nothing to play')
     options.sensor = sensor_of(capture, options.sensor, FORMATS)
@@ -88,22 +93,30 @@ def run(options: argparse.Namespace) -> int:
         port = PtyPort(options.link)
     except OSError as error:
         raise CommandError(f'cannot make the port: {error}') from error
-    played = 0
+    patience = options.reopen_timeout
+    if patience is None and not options.loop:
+        patience = REOPEN_TIMEOUT
+    player = Player(port, options.rate, options.settle, patience,
+                    lambda text: print(f'bahrs replay: {text}', file=sys.stderr))
     with port:
         print(port.name, flush=True)
         port.wait_until_open()
         time.sleep(options.settle)
-        while True:
+        complete = again = True
+        while complete and again:
             pieces = _timed(capture) if capture and capture.timed else \
                 paced(_bytes(capture) if capture else [content])
-            played += _play(_over_cable(options, pieces, faults), port, options.rate)
-            if not options.loop:
-                break
+            complete = player.play(_over_cable(options, pieces, faults))
+            again = options.loop
         # What is still unread would vanish with the port.
-        time.sleep(options.settle)
-        port.wait_until_read(LONGEST_UNREAD)
-    _report(options, played, faults, capture.notes if capture else [])
-    return 0
+        if complete:
+            time.sleep(options.settle)
+            port.wait_until_read(LONGEST_UNREAD)
+    notes = capture.notes if capture else []
+    if not complete:
+        notes.append('nobody has opened the port again: the rest was not played')
+    _report(options, player.played, faults, notes)
+    return 0 if complete else 1
 
 
 def _timed(capture: Capture) -> Iterator[Piece]:
@@ -128,18 +141,6 @@ def _over_cable(options: argparse.Namespace, pieces: Iterator[Piece],
         return pieces
     cable = Cable(BAUD_RATE, options.latency_timer or AT_ONCE)
     return through(pieces, cable, faults, Framer(FORMATS[options.sensor]()))
-
-
-def _play(pieces: Iterator[Piece], port: PtyPort, rate: float) -> int:
-    """Send each piece when it is due; return how many bytes there were."""
-    start, count = time.monotonic(), 0
-    for due, data in pieces:
-        ahead = start + due / rate - time.monotonic()
-        if ahead > 0:
-            time.sleep(ahead)
-        port.write(data)
-        count += len(data)
-    return count
 
 
 def _report(options: argparse.Namespace, played: int, faults: Faults, notes: list[str]) -> None:

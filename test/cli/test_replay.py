@@ -130,6 +130,22 @@ def test_a_bag_comes_as_it_was_read(tmp_path):
     assert told == {'bytes': 9, 'faults': {}, 'notes': []}
 
 
+def test_a_bag_of_a_host_that_was_set(tmp_path):
+    """The pace is that of the steady clock, whatever the wall clock did."""
+    with BagWriter(tmp_path / 'bag') as bag:
+        bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
+        for at, step, data in ((0.0, 0, b'abc'), (0.5, -3600, b'def'), (1.5, 3600, b'ghi')):
+            raw_ns = 7 * 10 ** 9 + round(at * 1e9)
+            origin = Origin('bahrs', 1, 86805, 10 ** 18 + raw_ns + step * 10 ** 9, raw_ns)
+            bag.write('/raw', 10 ** 18, serialized(raw.message(data, origin.label())))
+    reads, told = played(tmp_path / 'bag', tmp_path / 'port')
+    due = {**dict.fromkeys(b'def', 0.5), **dict.fromkeys(b'ghi', 1.5)}
+    for at, data in reads:
+        assert SETTLE + max(due.get(byte, 0.0) for byte in data) - 0.01 <= at < 60
+    assert [note[:31] for note in told['notes']] == ["the host's clock was set by -36",
+                                                     "the host's clock was set by +72"]
+
+
 def test_faults_on_request(tmp_path):
     """Half of the frames do not come, the others are whole; the count is told."""
     file, data = tmp_path / 'data.bin', stream(2)
@@ -163,3 +179,48 @@ def test_nothing_to_play(tmp_path, words, status, sentence):
     with running('bahrs', 'replay', str(file), *words) as replay:
         assert replay.wait(60) == status
         assert sentence in replay.text and 'Traceback' not in replay.text
+
+
+def read_some(link, count):
+    """Open the port, read so many bytes or more, and close it."""
+    port, got = Link(str(link), 115200), b''
+    port.connect()
+    while len(got) < count:
+        reading = port.read()
+        got += reading.data if reading else b''
+    port.close()
+    return got
+
+
+def test_a_reader_that_comes_back(tmp_path):
+    """Playing pauses without one, says so once each time, and goes on where it was."""
+    sentence = 'the reader has closed the port'
+    data, file, link = stream(2), tmp_path / 'data.bin', tmp_path / 'port'
+    file.write_bytes(data)
+    with running('bahrs', 'replay', str(file), '--link', str(link), '--reopen-timeout', '60',
+                 '--rate', '2') as player:
+        assert wait_for(lambda: player.lines)
+        first = read_some(link, 5000)
+        assert wait_for(lambda: sentence in player.text)
+        second = read_some(link, 5000)
+        assert wait_for(lambda: player.text.count(sentence) == 2)
+        assert player.end() == 130
+    assert data.startswith(first)
+    # What was written and not read when the port was closed is lost, as on a cable.
+    assert len(first) <= data.index(second) < len(first) + 10_000
+
+
+def test_a_reader_that_has_gone(tmp_path):
+    """Nobody comes: it ends, and what was not read is not said to have been played."""
+    data, file, link = stream(20), tmp_path / 'data.bin', tmp_path / 'port'
+    file.write_bytes(data)
+    with running('bahrs', 'replay', str(file), '--link', str(link), '--reopen-timeout', '0.5',
+                 '--json') as player:
+        assert wait_for(lambda: player.lines)
+        read_some(link, 1000)
+        assert player.wait() == 1
+    told = json.loads(player.lines[-1])
+    assert 1000 <= told['bytes'] < len(data)
+    assert 'the rest was not played' in told['notes'][-1]
+    assert 'for 0.5 s until it is opened again' in player.text
+    assert not os.path.lexists(link)

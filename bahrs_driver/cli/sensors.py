@@ -1,23 +1,14 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Opening what a device sent, with a plain sentence where it cannot be used."""
+"""Which sensor a recording is of."""
 
 from collections.abc import Collection
 
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.printable import printable
-from bahrs_driver.recording.capture import Capture, read_capture
-from bahrs_driver.recording.errors import CaptureError
+from bahrs_driver.recording.capture import Capture
 
 DEFAULT_SENSOR = 'bahrs'
-
-
-def open_capture(path: str, topic: str | None) -> Capture:
-    """Open a bag or a file of bytes; CommandError if it cannot be read."""
-    try:
-        return read_capture(path, topic)
-    except CaptureError as error:
-        raise CommandError(str(error)) from error
 
 
 def sensor_of(capture: Capture | None, chosen: str | None, known: Collection[str]) -> str:
