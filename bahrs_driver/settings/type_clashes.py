@@ -28,7 +28,7 @@ class _Definition(NamedTuple):
 
     node: str
     name: str
-    type: str
+    kind: str
     text: str
 
 
@@ -39,9 +39,9 @@ def lost_values(arguments: RosArguments, node: str) -> Iterator[str]:
     for definition in _definitions(arguments):
         key = definition.node, definition.name
         types = earlier.setdefault(key, set())
-        types.add(definition.type)
+        types.add(definition.kind)
         lost.pop(key, None)
-        if min(types, key=_TYPES.index) != definition.type:
+        if min(types, key=_TYPES.index) != definition.kind:
             lost[key] = f'{definition.name}: {definition.text}'
     for (owner, name), text in lost.items():
         if matches_node(owner, node) and name not in arguments.last_rules:
