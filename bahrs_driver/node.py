@@ -78,7 +78,6 @@ class DriverNode(Node):
         self._data = {topic: self._latched.get(topic) or self._publisher(message_type, topic)
                       for topic, message_type in sensor.topics.items()}
         self._sensor_name, self._byte_ns = settings['sensor'], 0
-        self._silence_due = 0.0         # time.monotonic(); until then a new link may be silent
         self._raw = None
         if settings['publish.raw']:
             self._raw = self._publisher(UInt8MultiArray, raw.TOPIC)
@@ -120,7 +119,6 @@ class DriverNode(Node):
     def link_opened(self) -> None:
         """Note that another stream begins."""
         self._byte_ns = self._link.byte_time_ns
-        self._silence_due = time.monotonic() + self._sensor.silence_timeout
         self._log.info(f'{self._link.name} is open')
         self._sensor.health.opened()
         if self._sensor.requester:
@@ -152,8 +150,7 @@ class DriverNode(Node):
         self._notice_silence()
 
     def _notice_silence(self) -> None:
-        now = time.monotonic()
-        if now > self._silence_due and self._sensor.health.stale(now):
+        if self._sensor.health.stale(time.monotonic()):
             self._publish(self._sensor.converter.silent(time.time_ns()))
 
     def received(self, batch: list[Received]) -> None:

@@ -46,6 +46,11 @@ class IntegrityNotice:
         self.signals.update(zip(names, health))
         return self._notice(stamp_ns, frame_id)
 
+    @property
+    def known(self) -> bool:
+        """Whether the state of any signal is known."""
+        return any(state is not None for state in self.signals.values())
+
     def forget(self, stamp_ns: int, frame_id: str) -> DiagnosticArray | None:
         """
         Forget all signals; return a notice if that is a change, or the first notice at all.
@@ -53,8 +58,7 @@ class IntegrityNotice:
         Its stamp is just after the latest sample, so that any sample to come is later. stamp_ns,
         the present time, is for a stream that had no sample.
         """
-        known = any(state is not None for state in self.signals.values())
-        if self._published and not known:
+        if self._published and not self.known:
             return None
         self._last.clear()
         self.signals.update(dict.fromkeys(self.signals))

@@ -107,10 +107,3 @@ def test_stamps_never_decrease_over_silence_and_lost_links(cable):
     stamps = [notice.header.stamp.sec * 10**9 + notice.header.stamp.nanosec
               for notice in ear.heard['integrity']]
     assert stamps == sorted(stamps) and len(stamps) >= 6
-
-
-def test_a_device_that_is_silent_from_the_start_is_not_heard(cable):
-    """A late joiner is told so, rather than nothing."""
-    with listening(TOPICS) as ear, driver(cable.path, diagnostics__silence_timeout=0.3):
-        assert wait_for(lambda: heard(ear) == ['n' * SIGNALS])
-        assert join_late() == 'n' * SIGNALS
