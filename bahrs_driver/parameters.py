@@ -32,16 +32,21 @@ PARAMETERS = (
               choices=('enu', 'ned')),
     Parameter('stddev.specific_force', 0.01,
               'Standard deviation of each component of the specific force. The default is what '
-              'a device at rest shows; a vibrating airframe needs more.', 'm/s^2',
+              'a device at rest shows; a vibrating airframe needs more. 0 is unknown.', 'm/s^2',
               low=0.0, high=100.0),
     Parameter('stddev.angular_rate', 0.0005,
               'Standard deviation of each component of the angular rate. The default is what a '
-              'device at rest shows.', 'rad/s', low=0.0, high=10.0),
-    Parameter('stddev.pressure_height', 1.0, 'Standard deviation of the pressure height.', 'm',
+              'device at rest shows; 0 is unknown.', 'rad/s', low=0.0, high=10.0),
+    Parameter('stddev.orientation_fallback', 0.1,
+              'Standard deviation of the orientation of a bahrs about each axis while the device '
+              'reports no accuracy. 0 is unknown: the covariance is then all zeros, which some '
+              'filters take for certainty.', 'rad', low=0.0, high=4.0, sensor=BAHRS),
+    Parameter('stddev.pressure_height', 1.0,
+              'Standard deviation of the pressure height; 0 is unknown.', 'm',
               low=0.0, high=1000.0, sensor=BAHRS),
     Parameter('stddev.velocity', 0.2,
               'Standard deviation of the velocity: of a bahrs the vertical one, of a titan_m each '
-              'component.', 'm/s', low=0.0, high=100.0),
+              'component; 0 is unknown.', 'm/s', low=0.0, high=100.0),
     Parameter('stddev.attitude', 0.02,
               'Standard deviation of roll and pitch of a titan_m. Nobody has measured it; 0 is '
               'unknown.', 'rad', low=0.0, high=4.0, sensor=TITAN_M),
@@ -49,9 +54,11 @@ PARAMETERS = (
               'Standard deviation of the heading of a titan_m. Nobody has measured it; 0 is '
               'unknown.', 'rad', low=0.0, high=4.0, sensor=TITAN_M),
     Parameter('stddev.position', 2.5,
-              'Standard deviation of each horizontal component of a position by GPS.', 'm',
+              'Standard deviation of each horizontal component of a position by GPS; 0 is '
+              'unknown.', 'm',
               low=0.0, high=1000.0, sensor=TITAN_M),
-    Parameter('stddev.altitude', 5.0, 'Standard deviation of an altitude by GPS.', 'm',
+    Parameter('stddev.altitude', 5.0,
+              'Standard deviation of an altitude by GPS; 0 is unknown.', 'm',
               low=0.0, high=1000.0, sensor=TITAN_M),
     Parameter('stddev.magnetic_field', 0.0,
               'Standard deviation of each component of a measured magnetic field; 0 is unknown.',
@@ -67,7 +74,8 @@ PARAMETERS = (
               sensor=TITAN_M),
     Parameter('magnetic_field.declination', 0.0,
               'Magnetic declination, positive east. It is added to the magnetic heading to give '
-              'the yaw of imu/data and odometry; the topic heading stays as the device has it.',
+              'the yaw of imu/data and odometry, and the accuracy of a bahrs is rotated with it; '
+              'the topic heading stays as the device has it.',
               'degree',
               low=-180.0, high=180.0),
     Parameter('magnetic_field.strength', 50e-6,
@@ -80,6 +88,11 @@ PARAMETERS = (
     Parameter('publish.derived_magnetic_field', True,
               'Whether to publish imu/mag for a device that reports a heading but no field.',
               sensor=BAHRS),
+    Parameter('publish.incomplete', 'nan',
+              'What becomes of a message in which a component is not available: nan publishes it '
+              'with NaN in its place, withhold does not publish it, for filters that never '
+              'recover from a NaN. NavSatFix messages are published in any case.',
+              choices=('nan', 'withhold')),
     Parameter('publish.raw', False,
               'Whether to publish raw, the bytes of each read as they came. A bag that holds it '
               'holds everything, and can be converted anew.'),

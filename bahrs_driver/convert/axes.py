@@ -15,8 +15,6 @@ from typing import Any, NamedTuple
 
 from bahrs_driver.protocol.layout import Vector
 
-Diagonal = tuple[float | None, float | None, float | None]
-
 _SQRT_HALF = math.sqrt(0.5)
 
 
@@ -29,6 +27,9 @@ class Quaternion(NamedTuple):
     z: float
 
 
+NO_ROTATION = Quaternion(1.0, 0.0, 0.0, 0.0)
+
+
 def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
     """Return the rotation by yaw about z, then pitch about y, then roll about x (radians)."""
     cr, sr = math.cos(roll / 2), math.sin(roll / 2)
@@ -39,6 +40,19 @@ def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
         sr * cp * cy - cr * sp * sy,
         cr * sp * cy + sr * cp * sy,
         cr * cp * sy - sr * sp * cy)
+
+
+def same_sign(rotation: Quaternion, last: Quaternion) -> Quaternion:
+    """
+    Return a rotation with the sign that is nearer to the last one.
+
+    Both signs are the same attitude, but consumers that interpolate or filter components see a
+    jump where the sign changes.
+    """
+    w, x, y, z = rotation
+    if w * last.w + x * last.x + y * last.y + z * last.z >= 0.0:
+        return rotation
+    return Quaternion(-w, -x, -y, -z)
 
 
 def turned_to_body(vector: Vector, body_to_world: Quaternion) -> Vector:
@@ -64,7 +78,7 @@ def enu(ned: Vector) -> Vector:
     return east, north, 0.0 - down
 
 
-def enu_diagonal(ned: Diagonal) -> Diagonal:
+def enu_diagonal(ned: Vector) -> Vector:
     """Return what belongs to the north, east and down axes in the order east, north, up."""
     north, east, down = ned
     return east, north, down
@@ -87,7 +101,7 @@ class Convention:
 
     body: Callable[[Vector], Vector]                    # a vector in body axes
     world: Callable[[Vector], Vector]                   # a vector in navigation axes
-    diagonal: Callable[[Diagonal], Diagonal]            # what goes with the navigation axes
+    diagonal: Callable[[Vector], Vector]            # what goes with the navigation axes
     orientation: Callable[[Quaternion], Quaternion]     # body to navigation axes
 
 

@@ -5,8 +5,9 @@ What the messages of the BAHRS become in ROS.
 
 An inertial message gives `imu/data_raw`. A navigation message gives everything else, and carries
 the stamp of the inertial sample that it was made with, for both are of the same device time. A
-signal that is unavailable is not made up: a message with nothing else to say is not published, a
-whole quantity is marked as not reported (REP-145), a lone component is NaN.
+signal that is unavailable is not made up: what would have nothing else to say is not published,
+except for the Imu messages, in which a whole quantity is marked as not reported (REP-145) and a
+lone component is NaN.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -15,11 +16,15 @@ import math
 from typing import Any, NamedTuple
 
 from bahrs_driver.convert import atmosphere, covariance, magnetic, ros
-from bahrs_driver.convert.axes import Convention, Quaternion, quaternion_from_euler
+from bahrs_driver.convert.axes import (
+    Convention, NO_ROTATION, Quaternion, quaternion_from_euler, same_sign,
+)
+from bahrs_driver.convert.completeness import without_incomplete
 from bahrs_driver.convert.covariance import Matrix
 from bahrs_driver.convert.integrity_notice import IntegrityNotice
+from bahrs_driver.convert.orientation_accuracy import OrientationAccuracy
 from bahrs_driver.convert.pairing import Pairing
-from bahrs_driver.convert.worth import Appraisal, inflated, reported, UNKNOWN_DEVIATION, Worth
+from bahrs_driver.convert.worth import Appraisal, reported, Worth
 from bahrs_driver.protocol.bahrs import (
     Accuracy, Inertial, InertialTime, Navigation, SyncPulseTime,
 )
@@ -46,12 +51,8 @@ TOPICS: dict[str, type] = {
 # Of these a late joiner gets what was last published.
 LATCHED = {'integrity'}
 
-# The accuracy message comes with every tenth navigation message; without it for this many the
-# last one says nothing about the present.
-ACCURACY_LIFETIME = 100
 TIME_SOURCE = 'bahrs'
 LONGEST_TIME_US = 2 ** 31 * ros.MICROSECONDS     # what a ROS time can hold
-_NO_ACCURACY = Accuracy(0, None, None, None, 0)
 
 Outgoing = Iterator[tuple[str, Any]]
 
@@ -72,6 +73,8 @@ class BahrsOptions:
     field_dip: float
     publish_field: bool
     appraisal: Appraisal
+    orientation_fallback: float = 0.0       # rad; 0 is unknown
+    withhold_incomplete: bool = False
 
 
 class _Sample(NamedTuple):
@@ -83,12 +86,6 @@ class _Sample(NamedTuple):
     rate: Vector
     rate_covariance: Matrix
 
-    @property
-    def empty(self) -> bool:
-        """Whether nothing in it is reported."""
-        return (self.force_covariance == covariance.NOT_REPORTED
-                and self.rate_covariance == covariance.NOT_REPORTED)
-
 
 class BahrsConverter:
     """Turns the stream of device messages into (topic, ROS message) pairs."""
@@ -96,9 +93,11 @@ class BahrsConverter:
     def __init__(self, options: BahrsOptions) -> None:
         """Convert as the options say."""
         self._options = options
+        self._accuracy = OrientationAccuracy(
+            options.convention, options.declination, options.orientation_fallback)
         self._notice = IntegrityNotice(Inertial.SIGNALS + Navigation.SIGNALS)
         self._handlers: dict[type, Callable[[Any, int], Outgoing]] = {
-            Inertial: self._inertial, Navigation: self._navigation, Accuracy: self._accuracy,
+            Inertial: self._inertial, Navigation: self._navigation, Accuracy: self._take_accuracy,
             InertialTime: self._time, SyncPulseTime: self._pulse}
         self._forget()
 
@@ -110,13 +109,14 @@ class BahrsConverter:
     def lost(self, stamp_ns: int) -> Outgoing:
         """Forget the stream; return the notice that no signal is known. stamp_ns is present."""
         self._forget()
-        return self.silent(stamp_ns)
+        notice = self._notice.forget(stamp_ns, self._options.frame_id)
+        return iter([('integrity', notice)] if notice else [])
 
     def silent(self, stamp_ns: int) -> Outgoing:
-        """Return the notice that no signal is known, if that is new. stamp_ns is present."""
-        notice = self._notice.forget(stamp_ns, self._options.frame_id)
-        if notice is not None:
-            yield 'integrity', notice
+        """Return the notice that no signal is known any more. stamp_ns is the present time."""
+        notice = self._notice.forget(stamp_ns, self._options.frame_id) \
+            if self._notice.known else None
+        return iter([('integrity', notice)] if notice else [])
 
     def convert(self, message: object, stamp_ns: int) -> Outgoing:
         """
@@ -125,12 +125,13 @@ class BahrsConverter:
         stamp_ns is the message's time in nanoseconds since the epoch.
         """
         handler = self._handlers.get(type(message))
-        return handler(message, stamp_ns) if handler else iter(())
+        outgoing = handler(message, stamp_ns) if handler else iter(())
+        return without_incomplete(outgoing) if self._options.withhold_incomplete else outgoing
 
     def _forget(self) -> None:
         self._pairing = Pairing[_Sample]()
-        self._deviations = _NO_ACCURACY
-        self._deviations_age = 0
+        self._accuracy.begin()
+        self._orientation = NO_ROTATION
 
     def _inertial(self, message: Inertial, stamp_ns: int) -> Outgoing:
         yield from self._changes(message, stamp_ns)
@@ -143,8 +144,7 @@ class BahrsConverter:
             options.convention.body(reported(message.angular_rate, worth[3:])),
             covariance.of_vector(worth[3:], options.rate_stddev))
         self._pairing.inertial(message.sequence, sample)
-        if not sample.empty:
-            yield 'imu/data_raw', self._imu(sample, None, covariance.NOT_REPORTED)
+        yield 'imu/data_raw', self._imu(sample, None, covariance.NOT_REPORTED)
 
     def _time(self, message: InertialTime, stamp_ns: int) -> Outgoing:
         if message.valid:
@@ -158,15 +158,12 @@ class BahrsConverter:
             yield topic, ros.time_reference(ros.header(stamp_ns, self._options.frame_id),
                                             device_time_us, TIME_SOURCE)
 
-    def _accuracy(self, message: Accuracy, _stamp_ns: int) -> Outgoing:
-        self._deviations = message
-        self._deviations_age = 0
-        yield from ()
+    def _take_accuracy(self, message: Accuracy, _stamp_ns: int) -> Outgoing:
+        self._accuracy.take(message)
+        return iter(())
 
     def _navigation(self, message: Navigation, stamp_ns: int) -> Outgoing:
-        self._deviations_age += 1
-        if self._deviations_age > ACCURACY_LIFETIME:
-            self._deviations = _NO_ACCURACY
+        self._accuracy.count_navigation()
         sample = self._pairing.navigation(message.sequence) or _no_sample(stamp_ns)
         yield from self._changes(message, sample.stamp_ns)
         height, velocity, roll, pitch, heading = self._options.appraisal.of(message.health)
@@ -206,27 +203,21 @@ class BahrsConverter:
 
     def _attitude(self, message: Navigation, sample: _Sample, level: Worth,
                   heading: Worth) -> Outgoing:
-        if level is not None:
-            yaw = 0.0 if heading is None else message.magnetic_heading + self._options.declination
-            rotation = quaternion_from_euler(message.roll, message.pitch, yaw)
-            orientation = self._options.convention.orientation(rotation)
-            yield 'imu/data', self._imu(sample, orientation, self._spread(level, heading))
-        elif not sample.empty:
+        if level is None:
             yield 'imu/data', self._imu(sample, None, covariance.NOT_REPORTED)
-
-    def _spread(self, level: float, heading: Worth) -> Matrix:
-        """Return the covariance of an orientation whose roll and pitch have some worth."""
-        accuracy = self._deviations
-        return covariance.of_orientation(self._options.convention.diagonal((
-            inflated(accuracy.north_std, level), inflated(accuracy.east_std, level),
-            UNKNOWN_DEVIATION if heading is None else inflated(accuracy.heading_std, heading))))
+            return
+        yaw = 0.0 if heading is None else message.magnetic_heading + self._options.declination
+        rotation = quaternion_from_euler(message.roll, message.pitch, yaw)
+        self._orientation = same_sign(self._options.convention.orientation(rotation),
+                                      self._orientation)
+        yield 'imu/data', self._imu(sample, self._orientation,
+                                    self._accuracy.matrix(level, heading))
 
     def _field(self, message: Navigation, worth: float, stamp_ns: int) -> Outgoing:
-        options = self._options
+        options, accuracy = self._options, self._accuracy
         field, spread = magnetic.derived_field(
-            message.roll, message.pitch, message.magnetic_heading,
-            inflated(self._deviations.heading_std, worth),
-            options.field_strength, options.field_dip, options.convention)
+            message.roll, message.pitch, message.magnetic_heading, accuracy.heading(worth),
+            options.field_strength, options.field_dip, options.convention, accuracy.north(worth))
         yield 'imu/mag', ros.magnetic_field(
             ros.header(stamp_ns, options.frame_id), field, spread)
 

@@ -4,8 +4,11 @@
 Covariance matrices as ROS messages carry them: flat, row by row.
 
 REP-145 has two marks: all zeros when nothing is known of the covariance, and -1 in the first
-element when the quantity itself is not reported. A component that is not known beside others
-that are carries UNKNOWN_VARIANCE, which no filter takes for information.
+element when the quantity itself is not reported. Consumers read the numbers: robot_localization
+takes a variance of 0 for near certainty (1e-9), and leaves out what is NaN. So a standard
+deviation of 0, which stands for unknown in the parameters, gives zeros only where the whole matrix
+is unknown. A component that is not known beside others that are has UNKNOWN_VARIANCE, which no
+filter takes for information.
 """
 
 from collections.abc import Sequence
@@ -24,34 +27,42 @@ def diagonal(variances: Sequence[float]) -> Matrix:
     return tuple(variances[i] if i == j else 0.0 for i in range(size) for j in range(size))
 
 
+def known_diagonal(variances: Sequence[float]) -> Matrix:
+    """Return the flat diagonal matrix of variances of which those that are 0 are unknown."""
+    if not any(variances):
+        return diagonal(variances)
+    return diagonal([variance or UNKNOWN_VARIANCE for variance in variances])
+
+
 def of_vector(worth: Sequence[float | None], stddev: float) -> Matrix:
     """
     Return the covariance of a vector whose components have the same standard deviation.
 
     Each variance is multiplied by the worth of its component. One without worth (None) is not
-    reported; if none has any the vector is not.
+    reported; if none has any the vector is not. A standard deviation of 0 is unknown.
     """
     if all(factor is None for factor in worth):
         return NOT_REPORTED
-    return diagonal([UNKNOWN_VARIANCE if factor is None else factor * stddev ** 2
-                     for factor in worth])
+    return known_diagonal([UNKNOWN_VARIANCE if factor is None or not stddev and factor != 1.0
+                           else factor * stddev ** 2 for factor in worth])
 
 
 def of_orientation(deviations: Sequence[float | None]) -> Matrix:
-    """Return the covariance of an orientation from its deviations about the three axes (rad)."""
-    if all(deviation is None for deviation in deviations):
-        return UNKNOWN
-    return diagonal([UNKNOWN_VARIANCE if deviation is None else deviation ** 2
-                     for deviation in deviations])
+    """
+    Return the covariance of an orientation from its deviations about the three axes (rad).
+
+    None and 0 are unknown.
+    """
+    return known_diagonal([(deviation or 0.0) ** 2 for deviation in deviations])
 
 
 def of_z_only(index: int, stddev: float) -> Matrix:
     """Return the 6x6 covariance of a pose or twist of which only one component is measured."""
     variances = [UNKNOWN_VARIANCE] * 6
     variances[index] = stddev ** 2
-    return diagonal(variances)
+    return known_diagonal(variances)
 
 
 def of_pairs(first: Sequence[float], second: Sequence[float]) -> Matrix:
     """Return the 6x6 covariance of a pose or twist from the variances of its two halves."""
-    return diagonal([*first, *second])
+    return known_diagonal([*first, *second])

@@ -5,7 +5,8 @@ A magnetic field for those who want one from a device that reports only a headin
 
 The horizontal part of the earth's field points to magnetic north, and the heading says where
 that is. Strength and dip are assumed, so only the direction across the field, in the horizontal
-plane, is known; the covariance is open along the other two.
+plane, is known; the covariance is open along the other two. In that direction an error of the
+heading moves the horizontal part of the field, and a tilt about magnetic north the vertical part.
 """
 
 import math
@@ -30,21 +31,25 @@ def rotation_to_body(roll: float, pitch: float, heading: float) -> NDArray[np.fl
 
 
 def derived_field(roll: float, pitch: float, heading: float, heading_std: float | None,
-                  strength: float, dip: float, convention: Convention) -> tuple[Vector, Matrix]:
+                  strength: float, dip: float, convention: Convention,
+                  north_std: float | None = 0.0) -> tuple[Vector, Matrix]:
     """
     Return the body field that fits attitude and magnetic heading, and its covariance.
 
-    Angles are in radians, the dip positive downward, strength and result in tesla. Along what
-    is not known one standard deviation is the whole strength. Without a standard deviation of
-    the heading nothing is known of the covariance.
+    Angles are in radians, the dip positive downward, strength and result in tesla. north_std is
+    the standard deviation of the attitude about magnetic north. Along what is not known one
+    standard deviation is the whole strength. Without a standard deviation of the heading nothing
+    is known of the covariance.
     """
     to_body = rotation_to_body(roll, pitch, heading)
-    horizontal = strength * math.cos(dip)
-    field = convention.body(_vector(to_body @ (horizontal, 0.0, strength * math.sin(dip))))
+    horizontal, vertical = strength * math.cos(dip), strength * math.sin(dip)
+    field = convention.body(_vector(to_body @ (horizontal, 0.0, vertical)))
     if heading_std is None:
         return field, covariance.UNKNOWN
     to_published = np.array([convention.body(_vector(column)) for column in to_body.T]).T
-    variances = np.diag([strength ** 2, (horizontal * heading_std) ** 2, strength ** 2])
+    across = math.hypot(horizontal * heading_std,
+                        vertical * (1.0 if north_std is None else north_std))
+    variances = np.diag([strength ** 2, across ** 2, strength ** 2])
     matrix = to_published @ variances @ to_published.T
     return field, tuple(float(element) for element in matrix.flat)
 

@@ -4,7 +4,7 @@
 
 from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.convert import covariance
-from bahrs_driver.convert.axes import Quaternion
+from bahrs_driver.convert.axes import NO_ROTATION, Quaternion
 from bahrs_driver.convert.covariance import Matrix
 from bahrs_driver.convert.utm import Place
 from bahrs_driver.protocol.layout import Vector
@@ -24,7 +24,6 @@ from std_msgs.msg import Float64, Header
 MICROSECONDS = 1_000_000
 _NAN = float('nan')
 NO_VECTOR: Vector = (_NAN, _NAN, _NAN)
-NO_ROTATION = Quaternion(1.0, 0.0, 0.0, 0.0)
 _Z = 2
 
 
@@ -68,7 +67,7 @@ def altitude_fix(head: Header, altitude: float, stddev: float) -> NavSatFix:
     """Return an altitude in m without any horizontal position."""
     message = NavSatFix(header=head, latitude=_NAN, longitude=_NAN, altitude=altitude)
     message.status = NavSatStatus(status=NavSatStatus.STATUS_NO_FIX)
-    message.position_covariance = covariance.diagonal(
+    message.position_covariance = covariance.known_diagonal(
         (covariance.UNKNOWN_VARIANCE, covariance.UNKNOWN_VARIANCE, stddev ** 2))
     message.position_covariance_type = NavSatFix.COVARIANCE_TYPE_DIAGONAL_KNOWN
     return message
@@ -86,9 +85,11 @@ def position_fix(head: Header, place: Place | None, altitude: float, horizontal_
                         altitude=altitude)
     message.status = NavSatStatus(status=NavSatStatus.STATUS_FIX,
                                   service=NavSatStatus.SERVICE_GPS)
-    message.position_covariance = covariance.diagonal(
+    message.position_covariance = covariance.known_diagonal(
         (horizontal_stddev ** 2, horizontal_stddev ** 2, vertical_stddev ** 2))
-    message.position_covariance_type = NavSatFix.COVARIANCE_TYPE_APPROXIMATED
+    known = horizontal_stddev or vertical_stddev
+    message.position_covariance_type = (
+        NavSatFix.COVARIANCE_TYPE_APPROXIMATED if known else NavSatFix.COVARIANCE_TYPE_UNKNOWN)
     return message
 
 

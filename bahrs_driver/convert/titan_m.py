@@ -18,8 +18,9 @@ from typing import Any, NamedTuple
 
 from bahrs_driver.convert import covariance, ros
 from bahrs_driver.convert.axes import (
-    Convention, Quaternion, quaternion_from_euler, turned_to_body,
+    Convention, NO_ROTATION, Quaternion, quaternion_from_euler, same_sign, turned_to_body,
 )
+from bahrs_driver.convert.completeness import without_incomplete
 from bahrs_driver.convert.covariance import Matrix
 from bahrs_driver.convert.gps_time import GpsTime
 from bahrs_driver.convert.utm import to_wgs84
@@ -91,6 +92,7 @@ class TitanOptions:
     leap_seconds: int
     # Velocity is that of the GPS without a state, and only the GPS tells whether there was a fix.
     asked: Collection[type[TitanAnswer]] | None     # None: others ask, and what comes will tell
+    withhold_incomplete: bool = False
 
 
 class _Sample(NamedTuple):
@@ -112,9 +114,8 @@ class TitanConverter:
         self._handlers: dict[type, Callable[[Any, int], Outgoing]] = {
             State: self._state, Gps: self._gps, Sensors: self._sensors}
         deviations = options.deviations
-        spread = options.convention.diagonal((
-            deviations.attitude or None, deviations.attitude or None, deviations.heading or None))
-        self._orientation_spread = covariance.of_orientation(spread)
+        self._orientation_spread = covariance.of_orientation(options.convention.diagonal(
+            (deviations.attitude, deviations.attitude, deviations.heading)))
         self._spreads = _spreads(deviations.force), _spreads(deviations.rate)
         self._raw_spreads = (_spreads(math.hypot(deviations.force, ADC_FORCE * ROUNDING)),
                              _spreads(math.hypot(deviations.rate, ADC_RATE * ROUNDING)))
@@ -135,6 +136,10 @@ class TitanConverter:
 
         stamp_ns is the answer's time in nanoseconds since the epoch.
         """
+        outgoing = self._convert(message, stamp_ns)
+        return without_incomplete(outgoing) if self._options.withhold_incomplete else outgoing
+
+    def _convert(self, message: object, stamp_ns: int) -> Outgoing:
         if isinstance(message, Answer) and message.wanted:
             for known, stamp in self._reader.read(message.kind, message.payload, stamp_ns):
                 self._heard.setdefault(type(known), stamp)
@@ -156,6 +161,7 @@ class TitanConverter:
 
     def _forget(self) -> None:
         self._reader.begin()
+        self._orientation = NO_ROTATION
         self._sample: _Sample | None = None
         self._had_fix = False
         self._gps_text = 'not heard'
@@ -175,7 +181,8 @@ class TitanConverter:
         yield 'imu/data_raw', self._imu(
             stamp_ns, None, body(message.adc_acceleration),
             body((math.radians(x), math.radians(y), math.radians(z))), self._raw_spreads)
-        self._sample = _Sample(stamp_ns, body(message.acceleration), body(message.angular_rate))
+        self._sample = _Sample(stamp_ns, body(_numbers(message.acceleration)),
+                               body(_numbers(message.angular_rate)))
         if any(message.magnetic_field_tesla):
             yield 'imu/mag', ros.magnetic_field(
                 head, body(message.magnetic_field_tesla),
@@ -196,9 +203,12 @@ class TitanConverter:
         sample = self._sample
         if sample and abs(stamp_ns - sample.stamp_ns) > TOGETHER_NS:
             sample = None
-        if rotation or sample:
-            _, force, rate = sample or _Sample(0, ros.NO_VECTOR, ros.NO_VECTOR)
-            yield 'imu/data', self._imu(stamp_ns, rotation, force, rate, self._spreads)
+        if rotation:
+            self._orientation = same_sign(options.convention.orientation(rotation),
+                                          self._orientation)
+        _, force, rate = sample or _Sample(0, ros.NO_VECTOR, ros.NO_VECTOR)
+        yield 'imu/data', self._imu(
+            stamp_ns, self._orientation if rotation else None, force, rate, self._spreads)
         if _finite(message.velocity_ned):
             yield 'velocity', self._twist(message.velocity_ned, stamp_ns)
         if rotation and _finite(message.position_ned + message.velocity_ned) \
@@ -231,33 +241,37 @@ class TitanConverter:
 
     def _odometry(self, message: State, rotation: Quaternion, stamp_ns: int) -> Odometry:
         options, deviations = self._options, self._options.deviations
-        # Beside variances that are known, 0 would be taken for certainty.
-        turn = [self._orientation_spread[i] or covariance.UNKNOWN_VARIANCE for i in (0, 4, 8)]
+        turn = [self._orientation_spread[i] for i in (0, 4, 8)]
         rate = (deviations.rate ** 2 if _finite(message.angular_rate)
                 else covariance.UNKNOWN_VARIANCE)
         position = (deviations.position ** 2, deviations.position ** 2, deviations.altitude ** 2)
         return ros.odometry(
             ros.header(stamp_ns, options.world_frame_id), options.frame_id,
             options.convention.world(message.position_ned),
-            options.convention.orientation(rotation),
+            self._orientation,
             covariance.of_pairs(position, turn),
             options.convention.body(turned_to_body(message.velocity_ned, rotation)),
-            options.convention.body(message.angular_rate),
+            options.convention.body(_numbers(message.angular_rate)),
             covariance.of_pairs((deviations.velocity ** 2,) * 3, (rate,) * 3))
 
-    def _imu(self, stamp_ns: int, rotation: Quaternion | None, force: Vector, rate: Vector,
+    def _imu(self, stamp_ns: int, orientation: Quaternion | None, force: Vector, rate: Vector,
              spreads: tuple[Matrix, Matrix]) -> Imu:
         options = self._options
         force_spread, rate_spread = spreads
         return ros.imu(
             ros.header(stamp_ns, options.frame_id),
-            options.convention.orientation(rotation) if rotation else None,
-            self._orientation_spread if rotation else covariance.NOT_REPORTED,
+            orientation, self._orientation_spread,
             rate, _known(rate, rate_spread), force, _known(force, force_spread))
 
 
 def _finite(values: tuple[float, ...]) -> bool:
     return all(map(math.isfinite, values))
+
+
+def _numbers(vector: Vector) -> Vector:
+    """Return the vector with NaN in place of infinity, which no quantity is either."""
+    x, y, z = (value if math.isfinite(value) else math.nan for value in vector)
+    return x, y, z
 
 
 def _spreads(deviation: float) -> Matrix:

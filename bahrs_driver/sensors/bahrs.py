@@ -65,4 +65,6 @@ def _options(settings: Mapping[str, Any]) -> BahrsOptions:
         field_dip=math.radians(settings['magnetic_field.dip']),
         publish_field=settings['publish.derived_magnetic_field'],
         appraisal=Appraisal(settings['integrity.risk_policy'],
-                            settings['integrity.risk_inflation']))
+                            settings['integrity.risk_inflation']),
+        orientation_fallback=settings['stddev.orientation_fallback'],
+        withhold_incomplete=settings['publish.incomplete'] == 'withhold')

@@ -6,27 +6,17 @@ from dataclasses import replace
 import math
 
 from bahrs_driver.convert.axes import CONVENTIONS
-from bahrs_driver.convert.bahrs import BahrsConverter, BahrsOptions, TOPICS
+from bahrs_driver.convert.bahrs import BahrsConverter, TOPICS
 from bahrs_driver.convert.worth import Appraisal
-from bahrs_driver.protocol.bahrs import (
-    Accuracy, Inertial, InertialTime, Navigation, SoftwareVersion, SyncPulseTime,
-)
+from bahrs_driver.protocol.bahrs import InertialTime, SoftwareVersion, SyncPulseTime
 from bahrs_driver.protocol.integrity import Integrity
+from device_examples import ACCURACY, BAHRS_OPTIONS as OPTIONS, INERTIAL, NAVIGATION
 import pytest
 
 SAFE, RISK = Integrity.SAFE, Integrity.INTEGRITY_RISK
 GONE, RESERVED = Integrity.UNAVAILABLE, Integrity.RESERVED
 
-INERTIAL = Inertial(0, (0.1, 0.2, -9.7), (0.01, 0.02, 0.03), (SAFE,) * 6)
-NAVIGATION = Navigation(0, 1500.0, -2.0, math.radians(10), math.radians(20), math.radians(30),
-                        (SAFE,) * 5)
-ACCURACY = Accuracy(0, 0.01, 0.02, 0.03, 0)
 STAMP = 1_700_000_000_123_456_789
-OPTIONS = BahrsOptions(
-    frame_id='imu_link', world_frame_id='map', convention=CONVENTIONS['enu'], force_stddev=0.1,
-    rate_stddev=0.2, height_stddev=2.0, velocity_stddev=0.5, declination=0.0,
-    field_strength=50e-6, field_dip=0.0, publish_field=True,
-    appraisal=Appraisal('inflate', 100.0))
 
 
 def published(*messages, **options):
@@ -140,12 +130,18 @@ def test_missing_quantity_is_not_reported():
     assert imu.linear_acceleration_covariance[0] == pytest.approx(0.01)
 
 
-def test_nothing_available_publishes_nothing_but_a_nan_heading():
-    """Neither topic of the IMU, nor height, nor velocity."""
+def test_imu_topics_go_on_when_nothing_is_available():
+    """All of it is NaN and not reported; neither height nor velocity is made up."""
     nothing = replace(INERTIAL, health=(GONE,) * 6)
-    assert set(published(nothing)) == {'integrity'}
+    raw = published(nothing)
+    assert set(raw) == {'integrity', 'imu/data_raw'}
     out = published(nothing, replace(NAVIGATION, health=(GONE,) * 5))
-    assert set(out) == {'heading', 'integrity'} and math.isnan(out['heading'].data)
+    assert set(out) == {'heading', 'integrity', 'imu/data'} and math.isnan(out['heading'].data)
+    for imu in (raw['imu/data_raw'], out['imu/data']):
+        assert all(map(math.isnan, (*xyz(imu.linear_acceleration), *xyz(imu.angular_velocity))))
+        assert [matrix[0] for matrix in (
+            imu.orientation_covariance, imu.linear_acceleration_covariance,
+            imu.angular_velocity_covariance)] == [-1, -1, -1]
 
 
 @pytest.mark.parametrize('policy, factor', [('inflate', 100), ('pass', 1)])
@@ -264,7 +260,8 @@ def test_without_heading_roll_and_pitch_are_still_usable():
     assert math.degrees(roll) == pytest.approx(10)
     assert math.degrees(pitch) == pytest.approx(-20)
     assert yaw_degrees(q) == pytest.approx(90)
-    assert imu.orientation_covariance[[0, 4, 8]] == pytest.approx([4e-4, 1e-4, 1e6])
+    # Which way north is nobody knows: the larger of the two tilts counts for both.
+    assert imu.orientation_covariance[[0, 4, 8]] == pytest.approx([4e-4, 4e-4, 1e6])
 
 
 def test_orientation_without_accuracy_has_an_unknown_covariance():

@@ -74,3 +74,34 @@ def test_field_and_published_orientation_fit():
     w, a, b, c = flu_to_enu(quaternion_from_euler(roll, pitch, heading))
     north = 2 * (a * b + w * c) * x + (1 - 2 * (a * a + c * c)) * y + 2 * (b * c - w * a) * z
     assert north == pytest.approx(50e-6)
+
+
+@pytest.mark.parametrize('dip', [0.0, 0.5, 1.1, -1.1])
+@pytest.mark.parametrize('convention', [ENU, NED])
+def test_errors_of_the_attitude_stay_within_the_covariance(convention, dip):
+    """Across the field it is theirs, with the vertical part that a tilt moves; else it is open."""
+    strength, (north, east, down) = 50e-6, (0.01, 0.02, 0.03)
+    roll, pitch, heading = 0.3, -0.5, 2.0
+    field, matrix = derived_field(
+        roll, pitch, heading, down, strength, dip, convention, north)
+    to_body = rotation_to_body(roll, pitch, heading)
+    errors = np.random.default_rng(7).normal(size=(200_000, 3)) * (north, east, down)
+    earth = np.array([strength * math.cos(dip), 0.0, strength * math.sin(dip)])
+    # To first order, as covariances are.
+    seen = (to_body @ (earth - np.cross(errors, earth)).T).T
+    seen = np.array([convention.body(vector) for vector in seen.tolist()])
+    assert seen.mean(axis=0) == pytest.approx(np.array(field), abs=1e-8)
+    published, sampled = np.array(matrix).reshape(3, 3), np.cov(seen.T)
+    across = np.array(convention.body(tuple(to_body[:, 1])))
+    assert across @ published @ across == pytest.approx(across @ sampled @ across, rel=0.02)
+    assert across @ published @ across == pytest.approx(
+        (strength * math.cos(dip) * down) ** 2 + (strength * math.sin(dip) * north) ** 2)
+    assert min(np.linalg.eigvalsh(published - 0.98 * sampled)) > 0
+
+
+def test_without_a_known_tilt_the_whole_vertical_part_is_open():
+    """And without dip there is none."""
+    for dip in (0.0, 1.0):
+        _, matrix = derived_field(0, 0, 0, 0.1, 50e-6, dip, NED, None)
+        assert matrix[4] == pytest.approx(
+            (50e-6 * math.cos(dip) * 0.1) ** 2 + (50e-6 * math.sin(dip)) ** 2)

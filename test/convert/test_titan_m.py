@@ -6,31 +6,22 @@ from dataclasses import replace
 import math
 
 from bahrs_driver.convert.axes import CONVENTIONS
-from bahrs_driver.convert.titan_m import (
-    ABSENT_NS, TitanConverter, TitanDeviations, TitanOptions, TOGETHER_NS, TOPICS,
-)
+from bahrs_driver.convert.titan_m import ABSENT_NS, TitanConverter, TOGETHER_NS, TOPICS
 from bahrs_driver.protocol.payload_order import PayloadReader
 from bahrs_driver.protocol.titan_frames import Answer
 from bahrs_driver.protocol.titan_m import Gps, LAYOUTS, Sensors, State
+from device_examples import DEVIATIONS, GPS, SENSORS, STATE, TITAN_OPTIONS
 import pytest
 from sensor_msgs.msg import NavSatFix, NavSatStatus
 
 STAMP, MS = 1_700_000_000_123_456_789, 1_000_000
 NAN = math.nan
-STATE = State((100.0, 200.0, -50.0), (3.0, 4.0, -1.0), (0.0, 0.0, math.pi / 2), (0.1, 0.2, 0.3))
-GPS = Gps(1000.5, 500_000.0, 5_000_000.0, 600.0, (1.0, 2.0, 3.0), 90.0, 4.0, 3.0, 32, True)
-SENSORS = Sensors((1.0, 2.0, -9.8), (10.0, 20.0, 30.0), 31.5, (0.5, 0.25, -9.75),
-                  (0.125, -0.25, 0.5), 95_000.0, 125.0, (2e-5, 1e-5, 4e-5))
-DEVIATIONS = TitanDeviations(
-    force=0.1, rate=0.01, attitude=0.02, heading=0.05, velocity=0.2, position=2.0, altitude=4.0,
-    field=1e-6, static_pressure=10.0, differential_pressure=2.0, temperature=0.5)
 
 
 def converter(convention='enu', order='little', **options):
     """Return a converter with literal options."""
-    return TitanConverter(replace(TitanOptions(
-        'imu', 'map', CONVENTIONS[convention], DEVIATIONS, declination=0.0, geoid_height=0.0,
-        gps_week=0, leap_seconds=18, asked={State, Sensors}), **options),
+    return TitanConverter(
+        replace(TITAN_OPTIONS, convention=CONVENTIONS[convention], **options),
         PayloadReader(order))
 
 

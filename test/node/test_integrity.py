@@ -115,8 +115,7 @@ def sources(heard, first, sent, published):
 def check_inertial(heard, notices, sent):
     """Every component is there exactly when it is available, with what it is worth."""
     messages = heard['imu/data_raw']
-    for imu, message in sources(messages, number(messages[0]), sent,
-                                lambda m: any(s.available for s in m.health)):
+    for imu, message in sources(messages, number(messages[0]), sent, lambda m: True):
         said = notices.at(nanoseconds(imu))
         assert [said[name] for name in Inertial.SIGNALS] == [s.label for s in message.health]
         force, rate = imu.linear_acceleration, imu.angular_velocity
@@ -167,10 +166,8 @@ def check_attitude(heard, notices, inertial, navigation):
     while math.isnan(imus[0].linear_acceleration.x):
         imus = imus[1:]
     begin = number(imus[0]) // 2
-    sent = [(message, inertial[2 * turn].health) for turn, message in enumerate(navigation)
-            if turn >= begin and 2 * turn < len(inertial)]
-    published = [message for message, health in sent
-                 if level(message) or any(state.available for state in health)]
+    published = [message for turn, message in enumerate(navigation)
+                 if turn >= begin and 2 * turn < len(inertial)]
     complete = []               # stamps of those from which a field can be derived
     # The first may have come before the first accuracy message.
     for imu, message in list(zip(imus, published))[20:]:
@@ -180,8 +177,10 @@ def check_attitude(heard, notices, inertial, navigation):
             continue
         heading = message.health[4]
         east, north, up = imu.orientation_covariance[[0, 4, 8]]
+        # Without a heading the larger of the two counts for both.
+        tilts = (4e-4, 1e-4) if heading.available else (4e-4, 4e-4)
         assert (east, north) == pytest.approx(
-            (4e-4 * level(message), 1e-4 * level(message)), rel=0.02)
+            tuple(tilt * level(message) for tilt in tilts), rel=0.02)
         assert up == pytest.approx(9e-4 * WORTH[heading] if heading.available else 1e6, rel=0.02)
         if heading.available:
             complete.append(nanoseconds(imu))

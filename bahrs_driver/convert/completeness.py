@@ -1,0 +1,58 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Which messages are complete: none of their numbers is NaN.
+
+A NaN says that a component is not reported. Filters that keep a state, as most orientation filters
+do, never get rid of one. A user who feeds such a filter has messages withheld that hold one.
+NavSatFix is left alone: the altitude of `pressure_altitude` has no latitude and longitude, and a
+`fix` without a position says so by its status.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+import math
+from typing import Any
+
+from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import FluidPressure, Imu, MagneticField, Temperature
+from std_msgs.msg import Float64
+
+Numbers = tuple[float, ...]
+
+
+def _vector(vector: Any) -> Numbers:
+    return vector.x, vector.y, vector.z
+
+
+def _pose(pose: Any) -> Numbers:
+    return *_vector(pose.position), pose.orientation.w, *_vector(pose.orientation)
+
+
+def _twist(twist: Any) -> Numbers:
+    return *_vector(twist.linear), *_vector(twist.angular)
+
+
+NUMBERS: dict[type, Callable[[Any], Numbers]] = {
+    Imu: lambda message: (message.orientation.w, *_vector(message.orientation),
+                          *_vector(message.angular_velocity),
+                          *_vector(message.linear_acceleration)),
+    MagneticField: lambda message: _vector(message.magnetic_field),
+    FluidPressure: lambda message: (message.fluid_pressure,),
+    Temperature: lambda message: (message.temperature,),
+    Float64: lambda message: (message.data,),
+    PoseWithCovarianceStamped: lambda message: _pose(message.pose.pose),
+    TwistWithCovarianceStamped: lambda message: _twist(message.twist.twist),
+    Odometry: lambda message: (*_pose(message.pose.pose), *_twist(message.twist.twist)),
+}
+
+
+def complete(message: Any) -> bool:
+    """Return whether no number of a message is NaN."""
+    numbers = NUMBERS.get(type(message))
+    return numbers is None or not any(map(math.isnan, numbers(message)))
+
+
+def without_incomplete(outgoing: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
+    """Yield the topics and messages that are complete."""
+    return (pair for pair in outgoing if complete(pair[1]))

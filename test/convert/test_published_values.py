@@ -1,0 +1,269 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What holds for all that is published, whatever a device says: generated messages of both devices.
+
+A NaN, a variance of 0 and a quaternion whose sign flips are values that mislead consumers.
+"""
+
+from dataclasses import replace
+import math
+
+from bahrs_driver.convert import completeness
+from bahrs_driver.convert.axes import CONVENTIONS
+from bahrs_driver.convert.bahrs import BahrsConverter, TOPICS as BAHRS_TOPICS
+from bahrs_driver.convert.titan_m import TitanConverter, TOPICS as TITAN_TOPICS
+from bahrs_driver.convert.worth import Appraisal
+from bahrs_driver.protocol.bahrs import Accuracy, Inertial, Navigation
+from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.protocol.payload_order import PayloadReader
+from bahrs_driver.protocol.titan_frames import Answer
+from bahrs_driver.protocol.titan_m import Gps, LAYOUTS, Sensors, State
+from device_examples import (
+    ACCURACY, BAHRS_OPTIONS, DEVIATIONS, GPS, INERTIAL, NAVIGATION, SENSORS, STATE, TITAN_OPTIONS,
+)
+from diagnostic_msgs.msg import DiagnosticArray
+from hypothesis import given, strategies as st
+import numpy as np
+import pytest
+from sensor_msgs.msg import Imu, NavSatFix, TimeReference
+
+STAMP, STEP = 1_700_000_000_000_000_000, 5_000_000
+PARTIAL = {NavSatFix, TimeReference, DiagnosticArray}      # published as they are
+states = st.sampled_from(Integrity)
+angles = st.floats(-math.pi, math.pi)
+deviations = st.none() | st.floats(1e-4, 0.5)
+vectors = st.tuples(*[st.floats(-10, 10, width=32)] * 3)
+broken = st.tuples(*[st.floats(-10, 10, width=32) | st.just(math.nan) | st.just(math.inf)] * 3)
+
+
+def with_sequence(messages):
+    """Return messages with counters as the device has them."""
+    counts = {Inertial: 0, Navigation: 0, Accuracy: 0}
+    for index, message in enumerate(messages):
+        counts[type(message)] += 1
+        messages[index] = replace(message, sequence=counts[type(message)] % 256)
+    return messages
+
+
+bahrs_streams = st.lists(st.one_of(
+    st.builds(Inertial, st.just(0), vectors, vectors, st.tuples(*[states] * 6)),
+    st.builds(Navigation, st.just(0), st.floats(-1000, 10_000), st.floats(-50, 50), angles,
+              angles, angles, st.tuples(*[states] * 5)),
+    st.builds(Accuracy, st.just(0), deviations, deviations, deviations, st.just(0))),
+    max_size=20).map(with_sequence)
+titan_streams = st.lists(st.one_of(
+    st.builds(State, broken, broken, broken, broken),
+    st.builds(lambda force, rate: replace(SENSORS, acceleration=force, angular_rate=rate),
+              broken, broken),
+    st.builds(lambda zone: replace(GPS, zone=zone), st.sampled_from([0, 1, 32, 60, 61]))),
+    max_size=20)
+
+
+def from_bahrs(stream, **options):
+    """Return what a BAHRS's messages become."""
+    converter = BahrsConverter(replace(BAHRS_OPTIONS, **options))
+    return [pair for index, message in enumerate(stream)
+            for pair in converter.convert(message, STAMP + STEP * index)]
+
+
+def from_titan(stream, **options):
+    """Return what a Titan-M's answers become."""
+    options = {'asked': {State, Sensors, Gps}, **options}
+    parts = TitanConverter(replace(TITAN_OPTIONS, **options), PayloadReader('little'))
+    return [pair for index, message in enumerate(stream)
+            for pair in parts.convert(
+                Answer(type(message), 0, LAYOUTS[type(message), 'little'].encode(message)),
+                STAMP + STEP * index)]
+
+
+def matrices(message):
+    """Yield the covariance matrices of a message."""
+    for part in (message, getattr(message, 'pose', None), getattr(message, 'twist', None)):
+        for name in part.get_fields_and_field_types() if part else ():
+            if name.endswith('covariance') and len(getattr(part, name, ())):
+                matrix = np.array(getattr(part, name))
+                yield matrix.reshape(2 * [math.isqrt(len(matrix))])
+
+
+def check_covariances(published, known):
+    """Check that no variance is 0 beside one that is not, nor at all if all are known."""
+    for topic, message in published:
+        for matrix in matrices(message):
+            diagonal = matrix.diagonal()
+            if matrix[0, 0] == -1:
+                assert not matrix[1:].any() and not matrix[0, 1:].any(), topic
+            elif isinstance(message, NavSatFix) and message.status.status < 0 \
+                    and math.isnan(message.altitude):
+                assert message.position_covariance_type == NavSatFix.COVARIANCE_TYPE_UNKNOWN
+            else:
+                assert (diagonal > 0).all() or (not known and not matrix.any()), topic
+                assert np.linalg.eigvalsh(matrix).min() >= -1e-9 * diagonal.max(), topic
+        if known and hasattr(message, 'variance'):
+            assert message.variance > 0
+
+
+def check_imu(published):
+    """Check that what is NaN is not reported, or has a variance that says so."""
+    for _, message in published:
+        if isinstance(message, Imu):
+            for vector, matrix in (
+                    (message.angular_velocity, message.angular_velocity_covariance),
+                    (message.linear_acceleration, message.linear_acceleration_covariance)):
+                values = np.array([vector.x, vector.y, vector.z])
+                assert not np.isinf(values).any()
+                assert matrix[0] == -1 or (matrix[[0, 4, 8]][np.isnan(values)] == 1e6).all()
+            q = message.orientation
+            assert math.hypot(q.w, q.x, q.y, q.z) == pytest.approx(1)
+
+
+@given(bahrs_streams, st.sampled_from(['inflate', 'withhold', 'pass']),
+       st.sampled_from([0.0, 0.2, -2.0]))
+def test_no_variance_of_a_bahrs_is_zero(stream, policy, declination):
+    """With a known deviation for everything, whatever is available."""
+    published = from_bahrs(stream, appraisal=Appraisal(policy, 100.0), declination=declination,
+                           orientation_fallback=0.1, field_dip=1.0)
+    check_covariances(published, True)
+    check_imu(published)
+
+
+@given(bahrs_streams)
+def test_a_deviation_of_0_is_unknown_for_a_bahrs(stream):
+    """All zeros, or 1e6 beside what is known."""
+    published = from_bahrs(stream, force_stddev=0.0, rate_stddev=0.0, height_stddev=0.0,
+                           velocity_stddev=0.0)
+    check_covariances(published, False)
+    check_imu(published)
+
+
+@given(titan_streams, st.booleans())
+def test_no_variance_of_a_titan_m_is_zero(stream, known):
+    """Unless the user says that it is unknown, and then not beside one that is known."""
+    unknown = replace(DEVIATIONS, **dict.fromkeys(
+        ('attitude', 'velocity', 'position', 'field', 'force'), 0.0))
+    published = from_titan(stream, deviations=DEVIATIONS if known else unknown)
+    check_covariances(published, known)
+    check_imu(published)
+
+
+@given(bahrs_streams)
+def test_imu_topics_of_a_bahrs_never_stop(stream):
+    """One message for each of the device's, whatever is available."""
+    topics = [topic for topic, _ in from_bahrs(stream)]
+    assert topics.count('imu/data_raw') == sum(type(m) is Inertial for m in stream)
+    assert topics.count('imu/data') == sum(type(m) is Navigation for m in stream)
+
+
+@given(titan_streams)
+def test_imu_topics_of_a_titan_m_never_stop(stream):
+    """One message for each answer."""
+    topics = [topic for topic, _ in from_titan(stream)]
+    assert topics.count('imu/data_raw') == sum(type(m) is Sensors for m in stream)
+    assert topics.count('imu/data') == sum(type(m) is State for m in stream)
+
+
+def numbers(value):
+    """Yield every number in a message, arrays and nested messages included."""
+    if hasattr(value, 'get_fields_and_field_types'):
+        for name in value.get_fields_and_field_types():
+            yield from numbers(getattr(value, name))
+    elif isinstance(value, float):
+        yield value
+    elif isinstance(value, np.ndarray):
+        yield from value.tolist()
+
+
+def has_nan(message):
+    """Return whether any number in a message is NaN."""
+    return any(map(math.isnan, numbers(message)))
+
+
+@given(bahrs_streams, titan_streams)
+def test_withheld_is_what_has_a_nan_and_nothing_else(bahrs_stream, titan_stream):
+    """A NavSatFix is published in any case."""
+    for convert, stream in ((from_bahrs, bahrs_stream), (from_titan, titan_stream)):
+        kept = convert(stream, withhold_incomplete=True)
+        expected = [pair for pair in convert(stream)
+                    if type(pair[1]) in PARTIAL or not has_nan(pair[1])]
+        # NaN is not equal to itself.
+        assert list(map(repr, kept)) == list(map(repr, expected))
+
+
+@pytest.mark.parametrize('kind', sorted(
+    {*BAHRS_TOPICS.values(), *TITAN_TOPICS.values()} - PARTIAL, key=str))
+def test_completeness_looks_at_every_number(kind):
+    """Of every type that is published; covariances are always numbers."""
+    assert completeness.complete(kind())
+    paths = list(float_paths(kind()))
+    assert paths
+    for path in paths:
+        message = kind()
+        *parents, last = path
+        part = message
+        for name in parents:
+            part = getattr(part, name)
+        setattr(part, last, math.nan)
+        assert not completeness.complete(message), path
+
+
+def float_paths(message, path=()):
+    """Yield where a message has a number that could be NaN."""
+    for name in message.get_fields_and_field_types():
+        value = getattr(message, name)
+        if hasattr(value, 'get_fields_and_field_types'):
+            yield from float_paths(value, (*path, name))
+        elif isinstance(value, float) and name != 'variance':
+            yield (*path, name)
+
+
+def quaternions(published, topic='imu/data'):
+    """Return the orientations of a topic as an array, w last."""
+    found = [message.pose.pose.orientation if topic == 'odometry' else message.orientation
+             for name, message in published if name == topic]
+    return np.array([(q.x, q.y, q.z, q.w) for q in found])
+
+
+def turning(kind, angle):
+    """Return a message of a device that has turned by an angle."""
+    attitude = (0.1, 0.2, math.remainder(angle, 2 * math.pi))
+    return replace(STATE, attitude=attitude) if kind is State else replace(
+        NAVIGATION, magnetic_heading=angle % (2 * math.pi))
+
+
+@pytest.mark.parametrize('kind, convert', [(Navigation, from_bahrs), (State, from_titan)])
+@pytest.mark.parametrize('convention', ['enu', 'ned'])
+def test_two_turns_do_not_flip_the_sign(kind, convert, convention):
+    """From sample to sample, though heading wraps; the same for odometry."""
+    stream = [turning(kind, math.radians(angle)) for angle in range(0, 721, 5)]
+    if kind is State:
+        stream = [GPS, *stream]
+        published = from_titan(stream, convention=CONVENTIONS[convention])
+        assert np.array_equal(quaternions(published, 'odometry'), quaternions(published))
+    else:
+        published = from_bahrs(stream, convention=CONVENTIONS[convention])
+    found = quaternions(published)
+    assert len(found) == 145
+    assert (np.sum(found[1:] * found[:-1], axis=1) > 0.99).all()
+
+
+@given(st.lists(st.tuples(angles, angles, angles), min_size=2, max_size=20))
+def test_the_sign_is_the_nearer_one(attitudes):
+    """Whatever the attitudes; it is w that decides at the start, and after a lost link."""
+    converter = BahrsConverter(BAHRS_OPTIONS)
+    for _ in range(2):
+        found = quaternions([pair for roll, pitch, heading in attitudes
+                             for pair in converter.convert(replace(
+                                 NAVIGATION, roll=roll, pitch=pitch, magnetic_heading=heading),
+                                 STAMP)])
+        assert (np.sum(found[1:] * found[:-1], axis=1) >= -1e-12).all()
+        assert found[0][3] >= 0
+        list(converter.lost(STAMP))
+
+
+def test_an_attitude_that_is_unavailable_for_a_while_keeps_the_sign():
+    """And what is published in between is not reported."""
+    gone = replace(NAVIGATION, health=(Integrity.UNAVAILABLE,) * 5)
+    stream = [turning(Navigation, math.radians(angle)) for angle in range(0, 400, 5)]
+    out = from_bahrs([ACCURACY, INERTIAL, *stream, gone, stream[-1]])
+    found = quaternions(out)
+    assert np.array_equal(found[-1], found[-3]) and found[-2][3] == 1
