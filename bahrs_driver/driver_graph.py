@@ -12,9 +12,10 @@ from typing import TypeVar
 
 from bahrs_driver.convert.bahrs import TOPICS as BAHRS_TOPICS
 from bahrs_driver.convert.titan_m import TOPICS as TITAN_TOPICS
-from bahrs_driver.node_names import full_name, Selection, split_name
+from bahrs_driver.node_names import full_name, NodeChoice, Selection, split_name, USUAL_NAME
 from rclpy.node import Node
 
+LOOK_PERIOD = 0.2           # s between looks at what nodes of other names offer, which take longer
 SELF_TEST = 'diagnostic_msgs/srv/SelfTest'
 
 Item = TypeVar('Item')
@@ -34,10 +35,36 @@ def node_names(node: Node) -> list[str]:
     return [full_name(*found) for found in _ask(node.get_node_names_and_namespaces)]
 
 
-def find_nodes(node: Node, selection: Selection) -> list[str]:
-    """Return the nodes that a selection names, or the drivers among all if it names none."""
-    found = sorted({name for name in node_names(node) if selection.matches(name)})
-    return found if selection.name else [name for name in found if is_driver(node, name)]
+class NodeSearch:
+    """Looks for the node that a choice is about, as often as it is asked to."""
+
+    def __init__(self, choice: NodeChoice) -> None:
+        """Search on behalf of a choice, which is told what is found."""
+        self.choice = choice
+        self._next_look = 0.0
+
+    def update(self, node: Node, now: float) -> str:
+        """Look at the graph of a node at a time in seconds (monotonic); return what is chosen."""
+        if not self.choice.settled(now):
+            names = [name for name in node_names(node) if self.choice.selection.matches(name)]
+            if not self.choice.selection.name:
+                names = self._drivers(node, names, now)
+            self.choice.offer(names, now)
+        return self.choice.chosen
+
+    def _drivers(self, node: Node, names: list[str], now: float) -> list[str]:
+        usual = [name for name in names if split_name(name)[0] == USUAL_NAME]
+        if now < self._next_look:
+            return usual
+        self._next_look = now + LOOK_PERIOD
+        return [*usual, *(name for name in names if name not in usual and is_driver(node, name))]
+
+
+def find_drivers(node: Node, namespace: str = '') -> list[str]:
+    """Return the drivers that run in a namespace, or in any."""
+    selection = Selection('', namespace)
+    return [name for name in sorted(set(node_names(node)))
+            if selection.matches(name) and is_driver(node, name)]
 
 
 def is_driver(node: Node, full: str) -> bool:

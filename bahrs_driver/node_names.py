@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 ROOT = '/'
+USUAL_NAME = 'bahrs_driver'     # of a driver that was not renamed
 SETTLE_TIME = 2.0       # s after the first match in which another one makes the choice unclear
 
 
@@ -57,6 +58,11 @@ class NodeChoice:
         self.several: list[str] = []
         self._settled_at: float | None = None
 
+    def settled(self, now: float) -> bool:
+        """Return whether no further node can change the choice."""
+        return bool(self.selection.exact) or \
+            self._settled_at is not None and now > self._settled_at
+
     def offer(self, names: Iterable[str], now: float) -> None:
         """Take the fully qualified names of nodes that run at a time in seconds (monotonic)."""
         matches = sorted({name for name in names if self.selection.matches(name)})
@@ -67,5 +73,5 @@ class NodeChoice:
         if not self.chosen:
             self.chosen = matches[0]
         found = sorted({self.chosen, *matches})
-        if len(found) > 1 and now <= self._settled_at:
+        if len(found) > 1 and not self.settled(now):
             self.several = found

@@ -12,8 +12,8 @@ import sys
 
 from bahrs_driver.cli.convert_settings import read_settings, unused_options
 from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.cli.node_options import checked_namespace
 from bahrs_driver.cli.progress import progress_bar
-from bahrs_driver.cli.ros import checked_namespace
 from bahrs_driver.cli.sensors import sensor_of
 from bahrs_driver.link import Link
 from bahrs_driver.parameter import ParameterError

@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
     """Look at everything; 1 if there is a problem."""
     has_rclpy = _has_rclpy()
     if 'rclpy' in sys.modules:
-        from bahrs_driver.cli.ros import checked_namespace      # needs ROS
+        from bahrs_driver.cli.node_options import checked_namespace      # needs ROS
         options.namespace = checked_namespace(options.namespace)
     findings = []
     console = Console(soft_wrap=True, highlight=False)

@@ -10,11 +10,11 @@ import os
 import time
 
 from bahrs_driver.cli.errors import CommandError
-from bahrs_driver.cli.ros import checked_namespace, ros_session
+from bahrs_driver.cli.node_options import add_node_options, selected_node, several_nodes
+from bahrs_driver.cli.ros import ros_session
 from bahrs_driver.monitor.page import Page
-from bahrs_driver.monitor.tables import nobody, record, tables
+from bahrs_driver.monitor.tables import no_driver_hint, record, tables
 from bahrs_driver.monitor.watch import Watch
-from bahrs_driver.printable import printable
 from bahrs_driver.ros_start import start_errors
 from diagnostic_msgs.msg import DiagnosticStatus
 import rclpy
@@ -28,6 +28,7 @@ _EXAMPLES = """examples:
   bahrs monitor                           a live page, until Ctrl-C
   bahrs monitor --duration 15             then print what came
   bahrs monitor --duration 5 --json       for a script
+  bahrs monitor --node /left/bahrs_driver one of several drivers
 """
 
 
@@ -35,14 +36,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
         'Show attitude, heading, height, rates, integrity and diagnostics of the driver on a\n'
-        'live page, 80x24 characters or more. At the end, or where the output is no terminal,\n'
+        'live page, 80x24 characters or more. Roll to the right and pitch upward are positive,\n'
+        'whichever axes are published. At the end, or where the output is no terminal,\n'
         'the last state is printed as a table.')
     parser.epilog = (f'{_EXAMPLES}\nexit status: 0, or 1 if no driver was heard (with '
                      '--require-data: no data)\n')
     parser.add_argument('--duration', type=float, metavar='SECONDS',
                         help='end after this time (default: at Ctrl-C)')
-    parser.add_argument('--namespace', default='', metavar='NAME',
-                        help='namespace of the driver and its topics (default: none)')
+    add_node_options(parser)
     parser.add_argument('--require-data', action='store_true',
                         help='end with status 1 and the reason if no data came')
     parser.add_argument('--json', action='store_true',
@@ -51,22 +52,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Watch until the time is up or Ctrl-C; 1 if no driver was heard."""
-    namespace = checked_namespace(options.namespace)
+    selection = selected_node(options)
     console = Console()
     begin = time.monotonic()
     end = math.inf if options.duration is None else begin + options.duration
     with ros_session(options) as keep:
         with start_errors(options.ros_arguments):
-            node = keep(rclpy.create_node(f'bahrs_monitor_{os.getpid()}',
-                                          namespace=namespace))
-            watch = Watch(node)
+            watch = Watch(keep(rclpy.create_node(f'bahrs_monitor_{os.getpid()}')), selection)
         with contextlib.suppress(KeyboardInterrupt):
             if console.is_terminal and not options.json:
                 _show(watch, console, end)
             else:
                 _listen(watch, end)
     if options.json:
-        print(json.dumps(record(watch), ensure_ascii=False))
+        print(json.dumps(record(watch)))
     else:
         console.print(tables(watch))
     listened = time.monotonic() >= min(end, begin + FIRST_DATA)     # or ended by an early Ctrl-C
@@ -76,20 +75,26 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _why_no_data(watch: Watch) -> str:
-    problems = [status.message for status in watch.health.values()
+    problems = [status.message for status in watch.health.tasks.values()
                 if status.level == DiagnosticStatus.ERROR]
     if problems:
-        return printable(problems[0])
-    return 'the driver was heard, and reports no error' if watch.heard else nobody()
+        return problems[0]
+    return 'the driver was heard, and reports no error' if watch.heard else no_driver_hint(watch)
 
 
 def _show(watch: Watch, console: Console, end: float) -> None:
     with Live(Page(watch), console=console, screen=True, auto_refresh=False) as live:
         while time.monotonic() < end:
-            watch.spin(min(REFRESH, end - time.monotonic()))
+            _spin(watch, end)
             live.refresh()
 
 
 def _listen(watch: Watch, end: float) -> None:
     while time.monotonic() < end:
-        watch.spin(min(REFRESH, end - time.monotonic()))
+        _spin(watch, end)
+
+
+def _spin(watch: Watch, end: float) -> None:
+    watch.spin(min(REFRESH, end - time.monotonic()))
+    if watch.choice.several:
+        raise several_nodes(watch.choice.several)

@@ -14,7 +14,8 @@ import time
 
 from bahrs_driver.cli.arguments import positive
 from bahrs_driver.cli.errors import CommandError
-from bahrs_driver.cli.ros import check_node_name, checked_namespace, ros_session
+from bahrs_driver.cli.node_options import add_node_options, selected_node, several_nodes
+from bahrs_driver.cli.ros import ros_session
 from bahrs_driver.cli.signals import ENDING, heeded
 from bahrs_driver.fault_log import FaultLog
 from bahrs_driver.printable import printable
@@ -60,25 +61,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--duration', type=positive, default=math.inf, metavar='SECONDS',
                         help='end after this time of data, or if none comes for '
                              f'{FIRST_WAIT:g} s (default: at Ctrl-C)')
-    parser.add_argument('--node', default='bahrs_driver', metavar='NAME',
-                        help='name of the driver (default: %(default)s)')
-    parser.add_argument('--namespace', default='', metavar='NAME',
-                        help='namespace of the driver and its topics (default: none)')
+    add_node_options(parser)
     parser.add_argument('--json', action='store_true',
                         help='print what was recorded as a JSON object at the end')
 
 
 def run(options: argparse.Namespace) -> int:
     """Record until the time is up or a signal ends it; 1 if there was nothing, or no room."""
-    options.namespace = checked_namespace(options.namespace)
-    check_node_name(options.node)
+    selection = selected_node(options)
     failure = ''
     faults = FaultLog(lambda text: print(f'bahrs record: {text}', file=sys.stderr), str)
     with _ending() as ended, ros_session(options) as keep:
         bag = _new_bag(options.output)
         with start_errors(options.ros_arguments):
             recorder = keep(Recorder(
-                options.node, options.namespace, options.raw_only,
+                selection, options.raw_only,
                 lambda error: faults.report('receiving a message', error)))
         recorder.start()
         try:
@@ -116,6 +113,8 @@ def _record(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
         with console.status(doing) as status:
             while not ended.wait(min(WRITE_PERIOD, max(0.0, end - time.monotonic()))):
                 now = time.monotonic()
+                if recorder.choice.several:
+                    raise several_nodes(recorder.choice.several)
                 _write(recorder, bag, recorder.settled())
                 if empty and bag.count:
                     empty, end = False, now + options.duration
@@ -152,8 +151,7 @@ def _write(recorder: Recorder, bag: BagWriter, until: int | None) -> None:
 def _nothing(options: argparse.Namespace, recorder: Recorder) -> str:
     """Return why nothing comes."""
     if not recorder.node_seen:
-        place = f' in namespace {options.namespace}' if options.namespace else ''
-        return f'there is no node {options.node}{place}: start the driver, or say --node'
+        return f'there is no {recorder.choice.selection}: start the driver, or name it with --node'
     if options.raw_only:
         return (f'the driver does not publish {RAW}: start it with '
                 '--ros-args -p publish.raw:=true')

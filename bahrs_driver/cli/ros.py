@@ -1,42 +1,18 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What verbs that are nodes of ROS share: their names and their start."""
+"""How verbs that are nodes of ROS start and end."""
 
 import argparse
 from collections.abc import Callable, Iterator
 import contextlib
 from typing import TypeVar
 
-from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.ros_start import init_ros, start_errors
 import rclpy
-from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException
-from rclpy.validate_namespace import validate_namespace
-from rclpy.validate_node_name import validate_node_name
 
 T = TypeVar('T')
 
 _kept: list[object] = []
-
-
-def checked_namespace(text: str) -> str:
-    """Return a namespace as /left, or nothing for the outermost; CommandError if it is none."""
-    name = text.strip('/')
-    try:
-        validate_namespace(f'/{name}')
-    except InvalidNamespaceException as error:
-        raise CommandError(f'{text!r} is no namespace: it must be a name such as '
-                           '/left') from error
-    return f'/{name}' if name else ''
-
-
-def check_node_name(text: str) -> None:
-    """Raise CommandError if a text is no name of a node."""
-    try:
-        validate_node_name(text)
-    except InvalidNodeNameException as error:
-        raise CommandError(f'{text!r} is no name of a node: it must have letters, digits and _ '
-                           'only, and its namespace goes into --namespace') from error
 
 
 @contextlib.contextmanager

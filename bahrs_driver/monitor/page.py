@@ -2,13 +2,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """The live page of a terminal: 80 x 24 characters are enough, and more are made use of."""
 
-from itertools import groupby
+from itertools import groupby, islice
 import math
 import time
 
 from bahrs_driver.monitor.horizon import heading_tape, horizon, no_horizon
-from bahrs_driver.monitor.tables import LEVELS, nobody
+from bahrs_driver.monitor.tables import (
+    has_topics, level_word, no_driver_hint, no_topics_hint, shared_name_hint,
+)
+from bahrs_driver.monitor.values import number
 from bahrs_driver.monitor.watch import DATA_TIMEOUT, DRIVER_TIMEOUT, Watch
+from bahrs_driver.node_names import full_name, ROOT, USUAL_NAME
+from bahrs_driver.printable import printable
 from diagnostic_msgs.msg import DiagnosticStatus
 from rich.console import Console, ConsoleOptions, RenderResult
 from rich.layout import Layout
@@ -18,6 +23,10 @@ from rich.text import Text
 SMALLEST = 60, 16           # characters; less is told to be too small
 _MARKS = {DiagnosticStatus.OK: '✓', DiagnosticStatus.WARN: '!', DiagnosticStatus.ERROR: '✗',
           DiagnosticStatus.STALE: '?'}
+MOST_TASKS = 8              # that fit a page
+MOST_SIGNALS = 64
+MOST_INTEGRITY_LINES = 4
+LONGEST_SIGNAL = 24         # characters
 _GAP = '   '
 _COMPONENTS = ('_x', '_y', '_z')
 _ASCII = str.maketrans('✓✗░▄▀─·━╋ω°µ', '+x#_"--=+w*u')
@@ -72,47 +81,55 @@ class Page:
         """Return in a word, a colour and a sentence how things are as a whole."""
         watch = self._watch
         if not watch.heard:
-            return 'NO DRIVER', 'red', nobody()
-        if watch.health_age > DRIVER_TIMEOUT and watch.data_age > DATA_TIMEOUT:
-            return 'DRIVER GONE', 'red', f'nothing heard for {_seconds(watch)}: {nobody()}'
+            return 'NO DRIVER', 'red', no_driver_hint(watch)
+        if watch.health.age > DRIVER_TIMEOUT and watch.data_age > DATA_TIMEOUT:
+            return 'DRIVER GONE', 'red', \
+                f'nothing heard for {_seconds(watch)}: {no_driver_hint(watch)}'
+        if watch.health.shared_name:
+            return 'TWO DRIVERS', 'red', shared_name_hint(watch)
         if watch.data_age > DATA_TIMEOUT:
             return 'NO DATA', 'red', self._why_no_data()
-        if watch.health_age > DRIVER_TIMEOUT:
+        if watch.health.age > DRIVER_TIMEOUT:
             return 'LIVE', 'green', 'no diagnostics are heard'
-        worst = max(watch.health.values(), key=lambda status: ord(status.level))
+        worst = max(watch.health.tasks.values(), key=lambda status: status.level)
         if worst.level == DiagnosticStatus.OK:
             return 'LIVE', 'green', self._device()
-        word, colour = LEVELS[worst.level]
-        return word, colour, str(worst.message)
+        return *level_word(worst.level), worst.message
 
     def _why_no_data(self) -> str:
-        link = self._watch.health.get('Link')
+        link = self._watch.health.tasks.get('Link')
         if link and link.level != DiagnosticStatus.OK:
-            return str(link.message)
+            return link.message
+        if not has_topics(self._watch):
+            return no_topics_hint(self._watch)
         return f'the driver runs, but publishes no data for {_seconds(self._watch)}'
 
     def _device(self) -> str:
-        link, device = self._watch.values('Link'), self._watch.health.get('Device')
+        tasks, driver = self._watch.health.tasks, self._watch.driver
+        link, device = tasks.get('Link'), tasks.get('Device')
+        values = link.values if link else {}
         version = device.message if device and ':' not in device.message else ''
         return ', '.join(filter(None, (
-            f"{link.get('Port', '')} at {link.get('Baud rate', '')} baud" if link else '',
-            f"{link['Use of the line']} of the line in use" if 'Use of the line' in link else '',
+            driver if driver != full_name(USUAL_NAME, ROOT) else '',
+            f"{values.get('Port', '')} at {values.get('Baud rate', '')} baud" if link else '',
+            f"{values['Use of the line']} of the line in use"
+            if 'Use of the line' in values else '',
             version)))
 
     def _attitude(self, width: int, height: int) -> Text:
         """Return heading tape, horizon and the figures of flight."""
         watch, angles = self._watch, self._watch.attitude()
         heading = watch.fresh('heading')
-        known = heading is not None and not math.isnan(heading.data)
+        known = heading is not None and math.isfinite(heading.data)
         tape = heading_tape(heading.data, width) if known else \
             Text('no heading'.center(width), 'red')
         picture = no_horizon(width, height - 4, 'no attitude') if angles is None else \
             horizon(angles.roll, angles.pitch, width, height - 4)
         return Text('\n').join([
             tape, picture,
-            _figures(width, ('roll', f'{_signed(angles.roll)}°' if angles else '-'),
-                     ('pitch', f'{_signed(angles.pitch)}°' if angles else '-')),
-            _figures(width, ('heading', f'{heading.data:.1f}°' if known else '-'),
+            _figures(width, ('roll', _signed(angles.roll, '°') if angles else '-'),
+                     ('pitch', _signed(angles.pitch, '°') if angles else '-')),
+            _figures(width, ('heading', number(heading.data, '.1f', '°') if known else '-'),
                      ('climb', self._climb())),
             _figures(width, ('height', self._height()))])
 
@@ -120,7 +137,7 @@ class Page:
         for topic in ('pressure_altitude', 'fix'):
             message = self._watch.fresh(topic)
             if message is not None:
-                return f'{message.altitude:.1f} m'
+                return number(message.altitude, '.1f', ' m')
         return '-'
 
     def _climb(self) -> str:
@@ -128,7 +145,7 @@ class Page:
         if message is None:
             return '-'
         z = message.twist.twist.linear.z
-        return f'{_signed(-z if self._watch.z_down else z)} m/s'
+        return _signed(-z if self._watch.z_down else z, ' m/s')
 
     def _topics(self) -> Table:
         table = Table(box=None, pad_edge=False, show_edge=False, expand=True)
@@ -152,13 +169,16 @@ class Page:
                          'dim')]
         stale = self._watch.data_age > DATA_TIMEOUT
         lines = [Text()]
-        for name, group in groupby(notice.status, key=lambda status: _quantity(status.name)):
-            cell = Text(name, 'dim' if stale else '')
+        signals = islice(notice.status, MOST_SIGNALS)
+        for name, group in groupby(signals, key=lambda status: _quantity(status.name)):
+            cell = Text(printable(name, LONGEST_SIGNAL), 'dim' if stale else '')
             for status in group:
                 suffix = status.name[-1] if status.name.endswith(_COMPONENTS) else ''
-                style = 'dim' if stale else LEVELS[status.level][1]
-                cell.append(f' {suffix}{_MARKS[status.level]}', f'bold {style}')
+                style = 'dim' if stale else level_word(status.level)[1]
+                cell.append(f" {suffix}{_MARKS.get(status.level, '?')}", f'bold {style}')
             if len(lines[-1]) + len(cell) + len(_GAP) > width:
+                if len(lines) == MOST_INTEGRITY_LINES:
+                    break
                 lines.append(Text())
             lines[-1].append_text(Text(_GAP) + cell if lines[-1] else cell)
         return lines
@@ -168,21 +188,21 @@ class Page:
         table.add_column(no_wrap=True, width=10)
         table.add_column(no_wrap=True, width=5)
         table.add_column(no_wrap=True, ratio=1, overflow='ellipsis')
-        gone = self._watch.health_age > DRIVER_TIMEOUT
-        for task, status in self._watch.health.items():
-            word, colour = LEVELS[status.level]
-            table.add_row(task, Text(word, '' if gone else colour), Text(status.message),
+        gone = self._watch.health.age > DRIVER_TIMEOUT
+        for task, status in islice(self._watch.health.tasks.items(), MOST_TASKS):
+            word, colour = level_word(status.level)
+            table.add_row(Text(task), Text(word, '' if gone else colour), Text(status.message),
                           style='dim' if gone else '')
-        if not self._watch.health:
+        if not self._watch.health.tasks:
             table.add_row('no driver', '', 'no diagnostics heard yet')
         return table
 
     def _events(self) -> Text:
         """Return what changed lately, the latest first."""
         lines = [Text(time.strftime('%H:%M:%S ', time.gmtime(moment)), 'dim')
-                 + Text(f'{task} ') + Text(LEVELS[status.level][0], LEVELS[status.level][1])
+                 + Text(f'{task} ') + Text(*level_word(status.level))
                  + Text(f' {status.message}', 'dim')
-                 for moment, task, status in self._watch.events]
+                 for moment, task, status in self._watch.health.events]
         if lines:
             lines.insert(0, Text('Changes of level, the latest first', 'dim underline'))
         # A layout takes an empty text for none, and draws a box that says so.
@@ -198,8 +218,8 @@ def _figures(width: int, *pairs: tuple[str, str]) -> Text:
     return line
 
 
-def _signed(value: float) -> str:
-    return f'{round(value, 1) + 0.0:+.1f}'          # never -0.0
+def _signed(value: float, unit: str) -> str:
+    return number(round(value, 1) + 0.0, '+.1f', unit)          # never -0.0
 
 
 def _quantity(signal: str) -> str:
@@ -209,5 +229,5 @@ def _quantity(signal: str) -> str:
 
 
 def _seconds(watch: Watch) -> str:
-    age = min(watch.data_age, watch.health_age)
+    age = min(watch.data_age, watch.health.age)
     return f'{age:.0f} s' if math.isfinite(age) else 'as long as this listens'

@@ -1,13 +1,24 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the messages of each topic say, in words and as numbers."""
+"""
+What the messages of each topic say, in words and as numbers.
+
+Whatever a message holds, nothing here raises: numbers may be NaN, infinite or huge, and lists
+empty or endless.
+"""
 
 from collections.abc import Callable
+from itertools import islice
 import math
 from typing import Any, NamedTuple
 
 from bahrs_driver.convert.covariance import UNKNOWN_VARIANCE
 from diagnostic_msgs.msg import DiagnosticStatus
+
+LONGEST_FIXED = 1e7         # a number of at least this size is shown with an exponent
+LEAST_NORM, MOST_NORM = 0.9, 1.1        # of a quaternion that is an orientation
+MOST_SIGNALS = 32           # that a text names
+_UNKNOWN = 0.99 * UNKNOWN_VARIANCE
 
 
 class Attitude(NamedTuple):
@@ -15,18 +26,37 @@ class Attitude(NamedTuple):
 
     roll: float
     pitch: float
-    yaw: float
+    yaw: float          # NaN if it is not known
+
+
+def number(value: float, style: str = '.1f', unit: str = '') -> str:
+    """Return a number as text with its unit; a dash if it is none."""
+    if not math.isfinite(value):
+        return '-'
+    if abs(value) >= LONGEST_FIXED:
+        style = f"{'+' if style.startswith('+') else ''}.3g"
+    return format(value, style) + unit
 
 
 def attitude(imu: Any) -> Attitude | None:
     """Return the attitude in an Imu message; None if it is not reported."""
-    if imu.orientation_covariance[0] < 0:
+    q, variances = imu.orientation, imu.orientation_covariance
+    norm = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z
+    if variances[0] < 0 or not LEAST_NORM < norm < MOST_NORM:
         return None
-    q = imu.orientation
+    yaw = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
     return Attitude(
-        math.degrees(math.atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x ** 2 + q.y ** 2))),
+        math.degrees(math.atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x * q.x + q.y * q.y))),
         math.degrees(math.asin(max(-1.0, min(1.0, 2 * (q.w * q.y - q.z * q.x))))),
-        math.degrees(math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y ** 2 + q.z ** 2))))
+        math.degrees(yaw) if variances[8] < _UNKNOWN else math.nan)
+
+
+def attitude_text(angles: Attitude | None) -> str:
+    """Return an attitude in words."""
+    if angles is None:
+        return 'no orientation'
+    return ' '.join(f'{name} {number(value, "+.2f", "°")}'
+                    for name, value in angles._asdict().items())
 
 
 def vertical_force(imu: Any) -> float:
@@ -39,56 +69,45 @@ def vertical_force(imu: Any) -> float:
     if imu.orientation_covariance[0] < 0 or imu.linear_acceleration_covariance[0] < 0:
         return math.nan
     return float(2 * (q.x * q.z - q.w * q.y) * force.x + 2 * (q.y * q.z + q.w * q.x) * force.y
-                 + (1 - 2 * (q.x ** 2 + q.y ** 2)) * force.z)
+                 + (1 - 2 * (q.x * q.x + q.y * q.y)) * force.z)
 
 
 def _force_and_rate(imu: Any) -> str:
     return f'f {_xyz(imu.linear_acceleration, 2)}  ω {_xyz(imu.angular_velocity, 3)}'
 
 
-def _xyz(vector: Any, digits: int) -> str:
-    return ' '.join('-' if math.isnan(value) else f'{value:+.{digits}f}'
+def _xyz(vector: Any, digits: int, factor: float = 1.0) -> str:
+    return ' '.join(number(value * factor, f'+.{digits}f')
                     for value in (vector.x, vector.y, vector.z))
 
 
-def _attitude(imu: Any) -> str:
-    angles = attitude(imu)
-    if angles is None:
-        return 'no orientation'
-    return f'roll {angles.roll:+.2f}° pitch {angles.pitch:+.2f}° yaw {angles.yaw:+.2f}°'
-
-
-def _field(message: Any) -> str:
-    field = message.magnetic_field
-    return f'{field.x * 1e6:+.1f} {field.y * 1e6:+.1f} {field.z * 1e6:+.1f} µT'
-
-
 def _integrity(notice: Any) -> str:
-    troubled = [f'{status.name} {status.message}' for status in notice.status
-                if status.level != DiagnosticStatus.OK]
-    return ', '.join(troubled) or 'all signals safe'
+    troubled = (f'{status.name} {status.message}' for status in notice.status
+                if status.level != DiagnosticStatus.OK)
+    return ', '.join(islice(troubled, MOST_SIGNALS)) or 'all signals safe'
 
 
 def _heading(message: Any) -> str:
-    return 'unavailable' if math.isnan(message.data) else f'{message.data:.1f}°'
+    return 'unavailable' if math.isnan(message.data) else number(message.data, '.1f', '°')
 
 
 def _velocity(message: Any) -> str:
     velocity = message.twist.twist.linear
     across = message.twist.covariance[0] < UNKNOWN_VARIANCE     # or only upward is measured
-    return (f'x {velocity.x:+.2f} y {velocity.y:+.2f} ' if across else '') \
-        + f'z {velocity.z:+.2f} m/s'
+    return (f"x {number(velocity.x, '+.2f')} y {number(velocity.y, '+.2f')} " if across else '') \
+        + f"z {number(velocity.z, '+.2f')} m/s"
 
 
 def _position(fix: Any) -> str:
     if fix.status.status < 0:
         return 'no fix'
-    return f'{fix.latitude:+.7f}° {fix.longitude:+.7f}° {fix.altitude:.1f} m'
+    return ' '.join((number(fix.latitude, '+.7f', '°'), number(fix.longitude, '+.7f', '°'),
+                     number(fix.altitude, '.1f', ' m')))
 
 
 def _odometry(message: Any) -> str:
     position = message.pose.pose.position
-    return f'x {position.x:+.1f} y {position.y:+.1f} z {position.z:+.1f} m'
+    return ' '.join(f"{axis} {number(getattr(position, axis), '+.1f')}" for axis in 'xyz') + ' m'
 
 
 def _device_time(reference: Any) -> str:
@@ -99,14 +118,14 @@ def _device_time(reference: Any) -> str:
 
 FORMATS: dict[str, Callable[[Any], str]] = {
     'imu/data_raw': _force_and_rate,
-    'imu/data': _attitude,
-    'imu/mag': _field,
-    'static_pressure': lambda message: f'{message.fluid_pressure / 100:.2f} hPa',
-    'pressure_altitude': lambda message: f'{message.altitude:.1f} m',
-    'altitude/pose': lambda message: f'z {message.pose.pose.position.z:+.1f} m',
+    'imu/data': lambda message: attitude_text(attitude(message)),
+    'imu/mag': lambda message: f'{_xyz(message.magnetic_field, 1, 1e6)} µT',
+    'static_pressure': lambda message: number(message.fluid_pressure / 100, '.2f', ' hPa'),
+    'pressure_altitude': lambda message: number(message.altitude, '.1f', ' m'),
+    'altitude/pose': lambda message: 'z ' + number(message.pose.pose.position.z, '+.1f', ' m'),
     'velocity': _velocity,
-    'differential_pressure': lambda message: f'{message.fluid_pressure:.1f} Pa',
-    'temperature': lambda message: f'{message.temperature:.1f} °C',
+    'differential_pressure': lambda message: number(message.fluid_pressure, '.1f', ' Pa'),
+    'temperature': lambda message: number(message.temperature, '.1f', ' °C'),
     'fix': _position,
     'odometry': _odometry,
     'heading': _heading,

@@ -15,7 +15,9 @@ import threading
 import time
 from typing import Any, NamedTuple
 
+from bahrs_driver.driver_graph import NodeSearch, published
 from bahrs_driver.executor import StoppableExecutor
+from bahrs_driver.node_names import NodeChoice, Selection, split_name
 from bahrs_driver.printable import printable
 from bahrs_driver.recording.arrival_clock import ArrivalClock
 from bahrs_driver.recording.origin import parse_label
@@ -23,7 +25,6 @@ from bahrs_driver.recording.sequence_count import missed, SequenceCount
 from bahrs_driver.recording.topics import profile, Qos, Topic
 import rclpy
 from rclpy.clock import Clock, ClockType
-from rclpy.node import NodeNameNonExistentError
 from rclpy.qos import (
     DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy,
 )
@@ -57,16 +58,17 @@ class Taken(NamedTuple):
 class Recorder:
     """Subscribes to all that a node publishes, or only to its raw bytes."""
 
-    def __init__(self, node_name: str, namespace: str, raw_only: bool,
+    def __init__(self, selection: Selection, raw_only: bool,
                  on_error: Callable[[BaseException], None]) -> None:
         """
-        Record the node of a name and namespace, once start() is called.
+        Record the selected node, once start() is called.
 
         on_error is called with each exception of the recorder's own callbacks.
         """
         self.node_seen = False
         self.notes: list[str] = []      # what is not recorded, and why
-        self._name, self._namespace = node_name, '/' + namespace.strip('/')
+        self.choice = NodeChoice(selection)
+        self._node_search = NodeSearch(self.choice)
         self._raw_only = raw_only
         self._known: set[str] = set()
         self._counts: dict[str, SequenceCount] = {}
@@ -138,9 +140,9 @@ class Recorder:
     def _search(self) -> None:
         """Find the topics of the node that are not known yet."""
         now = time.monotonic()
-        try:
-            topics = self._node.get_publisher_names_and_types_by_node(self._name, self._namespace)
-        except NodeNameNonExistentError:
+        target = self._node_search.update(self._node, now)
+        topics = published(self._node, target) if target else []
+        if not topics:
             self._look_again(FAST_SEARCH)
             return
         self._is_new |= not self.node_seen and now > self._began + DISCOVERY
@@ -150,7 +152,7 @@ class Recorder:
             if name in self._known or base in NEVER_RECORDED or self._raw_only and base != RAW:
                 continue
             offers = [info for info in self._node.get_publishers_info_by_topic(name)
-                      if (info.node_name, info.node_namespace) == (self._name, self._namespace)]
+                      if (info.node_name, info.node_namespace) == split_name(target)]
             if offers:              # discovery may not have them yet
                 self._subscribe(name, types[0], offers)
                 self._found = now

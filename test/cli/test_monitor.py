@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of `bahrs monitor` where its output is no terminal, as a process beside the node."""
 
+import contextlib
 import json
 import subprocess
 
@@ -9,6 +10,7 @@ from bahrs_driver.convert.bahrs import TOPICS
 from bahrs_driver.emulator.pty_port import PtyPort
 from devices import Device
 from processes import command, driver, running, wait_for
+import pytest
 
 
 def watched(*words):
@@ -54,6 +56,66 @@ def test_without_a_driver():
     with running('bahrs', 'monitor', '--duration', '1', '--namespace', 'nobody') as monitor:
         assert monitor.wait(60) == 1
         assert 'is driver_node running' in monitor.text
+
+
+@contextlib.contextmanager
+def named_driver(cable, *words):
+    """Run a driver on a port under another name, and wait until it has opened it."""
+    with running('driver_node', '--ros-args', '-p', f'port:={cable.path}', *words) as node:
+        assert wait_for(lambda: cable.is_open), node.text
+        yield
+
+
+@pytest.mark.parametrize('words, options, name', [
+    (['-r', '__ns:=/left'], [], '/left/bahrs_driver'),
+    (['-r', '__ns:=/left'], ['--namespace', '/left'], '/left/bahrs_driver'),
+    (['-r', '__node:=front'], [], '/front'),
+    (['-r', '__node:=front', '-r', '__ns:=/uav/left'], ['--node', 'front'], '/uav/left/front'),
+    (['-p', 'diagnostics.qualified_name:=true'], [], '/bahrs_driver'),
+    (['-r', '__ns:=/left'], ['--ros-args', '-r', '__ns:=/left'], '/left/bahrs_driver'),
+])
+def test_the_only_driver_is_found(words, options, name):
+    """Whatever it is called, with its topics and its health."""
+    def complete(found):
+        return found['node'] == name and found['topics']['imu/data']['count'] \
+            and 'is open' in found['diagnostics'].get('Link', {}).get('message', '')
+
+    with PtyPort() as cable, Device(cable), named_driver(cable, *words):
+        assert wait_for(lambda: complete(json.loads(watched('--json', *options)[1])), 120), \
+            watched('--json', *options)
+
+
+def test_several_drivers():
+    """Each is shown by its name; without one, the monitor says which there are."""
+    with PtyPort() as left, PtyPort() as right, Device(left), \
+            named_driver(left, '-r', '__ns:=/left'), named_driver(right, '-r', '__ns:=/right'):
+        def message(side):
+            found = json.loads(watched('--json', '--node', f'/{side}/bahrs_driver')[1])
+            assert found['node'] == f'/{side}/bahrs_driver'
+            return found['diagnostics'].get('Link', {}).get('message', '')
+
+        assert wait_for(lambda: message('left') == f'{left.path} is open', 120)
+        assert wait_for(lambda: f'{right.path} is open but silent' in message('right'), 120)
+        for options in ([], ['--node', 'bahrs_driver'], ['--json']):
+            assert wait_for(lambda: watched(*options) == (1, '', (
+                'bahrs monitor: /left/bahrs_driver and /right/bahrs_driver run: choose one with '
+                '--node /left/bahrs_driver\n')), 120), watched(*options)
+
+
+@pytest.mark.parametrize('options, sentence', [
+    (['--node', 'no body'], "'no body' is no name of a node"),
+    (['--node', '/'], "'' is no name of a node"),
+    (['--node', '/no body/front'], "'/no body' is no namespace"),
+    (['--node', '/left/front', '--namespace', '/right'],
+     '--node /left/front is not in --namespace /right'),
+    (['--node', '\udcff'], r"'\udcff' is no name of a node"),
+    (['--namespace', '\udcff'], r"'\udcff' is no namespace"),
+])
+def test_names_that_are_none(options, sentence):
+    """One sentence each."""
+    status, text, complaint = watched(*options)
+    assert status == 1 and text == ''
+    assert complaint.startswith(f'bahrs monitor: {sentence}') and complaint.count('\n') == 1
 
 
 def test_a_namespace_that_is_none():

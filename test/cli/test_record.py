@@ -3,6 +3,7 @@
 """Tests of `bahrs record`, as a process beside a driver: what ends it, and what is left then."""
 
 from collections import Counter
+import contextlib
 import json
 import os
 import re
@@ -122,8 +123,9 @@ def test_no_room(flying, tmp_path):
 
 
 @pytest.mark.parametrize('words, sentence', [
-    ([], 'there is no node bahrs_driver: start the driver, or say --node'),
-    (['--node', 'x', '--namespace', 'uav'], 'there is no node x in namespace /uav'),
+    ([], 'there is no driver: start the driver, or name it with --node'),
+    (['--node', 'x', '--namespace', 'uav'],
+     'there is no node named x in namespace /uav'),
 ])
 def test_nothing_to_record(tmp_path, words, sentence):
     """A sentence says what is missing."""
@@ -131,6 +133,31 @@ def test_nothing_to_record(tmp_path, words, sentence):
         assert wait_for(lambda: sentence in recorder.text, LONG)
         assert recorder.end() == 1
     assert sentence in recorder.text and 'Traceback' not in recorder.text
+
+
+def test_several_drivers(tmp_path):
+    """One is recorded by its name; without one, the recorder says which there are."""
+    with contextlib.ExitStack() as stack:
+        for side in ('left', 'right'):
+            port = stack.enter_context(PtyPort())
+            node = stack.enter_context(running(
+                'driver_node', '--ros-args', '-p', f'port:={port.path}', '-r', f'__ns:=/{side}',
+                '-r', f'__node:={side}_one'))
+            stack.enter_context(Device(port))
+            assert wait_for(lambda: 'is open' in node.text, LONG)
+        for words in (['--node', '/left/left_one'], ['--node', 'left_one'],
+                      ['--namespace', 'left']):
+            bag = tmp_path / words[1].replace('/', '_')
+            with running('bahrs', 'record', '-o', str(bag), '--duration', '2',
+                         *words) as recorder:
+                assert recorder.wait(LONG) == 0, recorder.text
+            topics = set(counted(bag))
+            assert {'/left/imu/data', '/diagnostics'} <= topics, recorder.text
+            assert not any(topic.startswith('/right') for topic in topics)
+        with running('bahrs', 'record', '-o', str(tmp_path / 'both')) as recorder:
+            assert recorder.wait(LONG) == 1
+    assert recorder.text == ('bahrs record: /left/left_one and /right/right_one run: choose one '
+                             'with --node /left/left_one\n')
 
 
 def test_a_driver_without_raw(tmp_path):

@@ -6,7 +6,8 @@ import math
 
 from bahrs_driver.convert import ros
 from bahrs_driver.convert.axes import CONVENTIONS, quaternion_from_euler
-from bahrs_driver.monitor.values import attitude, FORMATS, vertical_force
+from bahrs_driver.convert.covariance import UNKNOWN_VARIANCE
+from bahrs_driver.monitor.values import attitude, FORMATS, number, vertical_force
 from bahrs_driver.monitor.watch import TOPICS
 import pytest
 
@@ -34,6 +35,32 @@ def test_an_attitude_that_is_not_reported():
     assert attitude(message) is None
     assert math.isnan(vertical_force(message))
     assert FORMATS['imu/data'](message) == 'no orientation'
+
+
+@pytest.mark.parametrize('convention, pitch', [('ned', '+20.00°'), ('enu', '-20.00°')])
+def test_a_yaw_that_is_not_known(convention, pitch):
+    """Its variance says so."""
+    message = imu(convention)
+    message.orientation_covariance[8] = UNKNOWN_VARIANCE
+    assert FORMATS['imu/data'](message) == f'roll +10.00° pitch {pitch} yaw -'
+
+
+@pytest.mark.parametrize('w', [0.0, 2.0, math.nan, math.inf, 1e200])
+def test_a_quaternion_that_is_no_rotation(w):
+    """Such as the zeros of a message that nobody has filled in."""
+    message = imu('enu')
+    for name in 'xyz':
+        setattr(message.orientation, name, 0.0)
+    message.orientation.w = w
+    assert attitude(message) is None
+
+
+@pytest.mark.parametrize('value, text', [
+    (1.25, '+1.2 m'), (math.nan, '-'), (-math.inf, '-'), (1e300, '+1e+300 m'),
+    (9999999.0, '+9999999.0 m')])
+def test_numbers_are_short(value, text):
+    """And always numbers, or a dash."""
+    assert number(value, '+.1f', ' m') == text
 
 
 def test_what_holds_the_aircraft_up_tells_the_convention():

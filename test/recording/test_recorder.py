@@ -5,6 +5,7 @@
 import contextlib
 import time
 
+from bahrs_driver.node_names import ROOT, Selection
 from bahrs_driver.recording import recorder as recorder_module
 from bahrs_driver.recording.recorder import Recorder
 from processes import wait_for
@@ -29,7 +30,7 @@ def ros():
 @contextlib.contextmanager
 def recording(name):
     """Let a recorder run that listens to a node; give it and the messages that came."""
-    recorder, came = Recorder(name, '', False, pytest.fail), []
+    recorder, came = Recorder(Selection(name, ROOT), False, pytest.fail), []
     recorder.start()
     try:
         yield recorder, lambda count: wait_for(

@@ -1,0 +1,71 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The options that say which driver a verb is about."""
+
+import argparse
+from collections.abc import Sequence
+
+from bahrs_driver.cli import ros_arguments
+from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.node_names import ROOT, Selection, split_name
+from bahrs_driver.printable import printable
+from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException
+from rclpy.validate_namespace import validate_namespace
+from rclpy.validate_node_name import validate_node_name
+
+
+def add_node_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say which driver is meant."""
+    parser.add_argument('--node', default='', metavar='NAME',
+                        help='name of the driver, such as /left/bahrs_driver, or front in any '
+                             'namespace (default: the only driver that runs)')
+    parser.add_argument('--namespace', metavar='NAME',
+                        help='namespace of the driver, / for the root (default: any)')
+
+
+def selected_node(options: argparse.Namespace) -> Selection:
+    """Return which driver the options mean; CommandError if they contradict or are no names."""
+    text = options.namespace
+    if text is None:
+        text = ros_arguments.namespace(options.ros_arguments)
+    namespace = '' if text is None else checked_namespace(text) or ROOT
+    if '/' not in options.node:
+        if options.node:
+            _check_node_name(options.node)
+        return Selection(options.node, namespace)
+    name, within = split_name(options.node)
+    if options.node.startswith('/'):
+        within = checked_namespace(within) or ROOT
+        if options.namespace is not None and within != namespace:
+            raise CommandError(f'--node {options.node} is not in --namespace {text}: leave one '
+                               'of them out')
+    else:
+        within = checked_namespace(f"{namespace.rstrip('/')}/{within}")
+    _check_node_name(name)
+    return Selection(name, within)
+
+
+def several_nodes(names: Sequence[str]) -> CommandError:
+    """Return the error that the user must choose among several nodes."""
+    shown = [printable(name) for name in names]
+    return CommandError(f'{", ".join(shown[:-1])} and {shown[-1]} run: choose one with --node '
+                        f'{shown[0]}')
+
+
+def checked_namespace(text: str) -> str:
+    """Return a namespace as /left, or nothing for the outermost; CommandError if it is none."""
+    name = text.strip('/')
+    try:
+        validate_namespace(f'/{name}')
+    except (InvalidNamespaceException, TypeError, ValueError) as error:
+        raise CommandError(f'{text!r} is no namespace: it must be a name such as '
+                           '/left') from error
+    return f'/{name}' if name else ''
+
+
+def _check_node_name(text: str) -> None:
+    try:
+        validate_node_name(text)
+    except (InvalidNodeNameException, TypeError, ValueError) as error:
+        raise CommandError(f'{text!r} is no name of a node: it must have letters, digits and _ '
+                           'only, after its namespace if that is given') from error

@@ -1,0 +1,42 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""What came on one topic: how many messages, how often, and the latest."""
+
+from collections import deque
+import math
+import time
+
+RATE_WINDOW = 2.0           # s over which a rate is measured
+
+
+class Tally:
+    """What came on one topic."""
+
+    def __init__(self) -> None:
+        """Start with nothing."""
+        self.count = 0
+        self.data = b''             # the latest message, serialised
+        self._arrivals: deque[float] = deque()
+
+    def add(self, data: bytes) -> None:
+        """Count a message and keep it."""
+        self.count += 1
+        self.data = data
+        self._arrivals.append(time.monotonic())
+        self._forget(self._arrivals[-1])
+
+    @property
+    def age(self) -> float:
+        """Seconds since the latest message, as long as it is in the window; else infinite."""
+        return time.monotonic() - self._arrivals[-1] if self._arrivals else math.inf
+
+    def rate(self) -> float:
+        """Return messages per second over the last RATE_WINDOW."""
+        self._forget(time.monotonic())
+        if len(self._arrivals) < 2 or self._arrivals[-1] == self._arrivals[0]:
+            return 0.0
+        return (len(self._arrivals) - 1) / (self._arrivals[-1] - self._arrivals[0])
+
+    def _forget(self, now: float) -> None:
+        while self._arrivals and now - self._arrivals[0] > RATE_WINDOW:
+            self._arrivals.popleft()
