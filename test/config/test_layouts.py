@@ -12,11 +12,14 @@ from xml.etree import ElementTree
 from bahrs_driver.convert.bahrs import TOPICS
 from bahrs_driver.protocol.bahrs import Inertial, Navigation
 from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Quaternion
 import pytest
 
 CONFIG = Path(__file__).resolve().parents[2] / 'config'
 ALL_TOPICS = {**TOPICS, 'diagnostics': DiagnosticArray}
-DERIVED = re.compile(r'(roll|pitch|yaw)_deg')       # by PlotJuggler, from a quaternion
+# PlotJuggler 3.8.10 and later make these of a quaternion, in radians (ParserROS::parseQuaternion);
+# before that they were roll_deg, pitch_deg and yaw_deg.
+OF_QUATERNIONS = {'roll', 'pitch', 'yaw'}
 
 
 def foxglove() -> dict[str, Any]:
@@ -50,11 +53,12 @@ def curves() -> list[str]:
     return [curve.get('name') for curve in root.iter('curve')]
 
 
-def follow(kind: type, fields: list[str]) -> None:
-    """Walk along the fields of a message; AttributeError or IndexError if one does not exist."""
+def follow(kind: type, fields: list[str]) -> Any:
+    """Return a field of a message by its path; AttributeError or IndexError without one."""
     value = kind()
     for name in fields:
         value = value[int(name)] if name.isdigit() else getattr(value, name)
+    return value
 
 
 def test_every_panel_is_shown_and_described():
@@ -82,8 +86,15 @@ def test_foxglove_shows_the_integrity_of_every_signal():
 def test_plotjuggler_shows_what_is_published(curve):
     """Topic and field exist."""
     topic = max((name for name in TOPICS if curve.startswith(f'/{name}/')), key=len)
-    fields = curve.removeprefix(f'/{topic}/').split('/')
-    follow(TOPICS[topic], fields[:-1] if DERIVED.fullmatch(fields[-1]) else fields)
+    *parents, last = curve.removeprefix(f'/{topic}/').split('/')
+    parent = follow(TOPICS[topic], parents)
+    assert hasattr(parent, last) or isinstance(parent, Quaternion) and last in OF_QUATERNIONS
+
+
+def test_plotjuggler_shows_the_attitude():
+    """By the names that PlotJuggler of today gives it, and no other."""
+    shown = {curve for curve in curves() if '/orientation/' in curve}
+    assert shown == {f'/imu/data/orientation/{angle}' for angle in OF_QUATERNIONS}
 
 
 def test_plotjuggler_layout_is_whole():
