@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 import csv
 import dataclasses
 import json
+import math
 import sys
 from typing import Any, BinaryIO
 
@@ -93,11 +94,18 @@ def _plain(value: Any) -> Any:
         return value.label
     if isinstance(value, tuple):
         return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None             # which JSON has no number for, and CSV an empty cell
     return value.hex() if isinstance(value, bytes) else value
 
 
 def _print_csv(decoder: Decoder, messages: Iterable[tuple[Frame, Any]]) -> None:
-    """Print a row a message, a column for every field of any message, empty where it has none."""
+    """
+    Print a row a message, a column for every field of any message.
+
+    A cell is empty where the message has no such field, or its value is not available: a number
+    would be taken for a measurement.
+    """
     head = ('message', *decoder.head, 'offset')
     columns = list(head)
     for kind in decoder.kinds:
@@ -109,6 +117,7 @@ def _print_csv(decoder: Decoder, messages: Iterable[tuple[Frame, Any]]) -> None:
         row = {name: fields.pop(name) for name in head}
         names = _columns(type(message))
         row.update(zip(names, _flat(fields.values())))
+        row.update(dict.fromkeys(decoder.unavailable(message)))
         writer.writerow(row)
 
 

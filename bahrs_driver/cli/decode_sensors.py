@@ -6,12 +6,16 @@ import argparse
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Protocol
 
-from bahrs_driver.protocol.bahrs import MESSAGES
+from bahrs_driver.protocol.bahrs import MESSAGES, TimeMessage
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat, frame_version
 from bahrs_driver.protocol.framing import Frame, Framer
 from bahrs_driver.protocol.payload_order import PayloadReader
 from bahrs_driver.protocol.titan_frames import answer_of, AnswerFormat, message_id
-from bahrs_driver.protocol.titan_m import ANSWERS
+from bahrs_driver.protocol.titan_m import ANSWERS, Gps, LAST_ZONE
+
+
+_OF_A_POSITION = ('easting', 'northing', 'altitude', 'velocity_ned_north', 'velocity_ned_east',
+                  'velocity_ned_down', 'heading_deg', 'speed', 'ground_speed')
 
 
 class Decoder(Protocol):
@@ -32,6 +36,9 @@ class Decoder(Protocol):
 
     def about(self, frame: Frame) -> dict[str, Any]:
         """Return what a frame says beside its message."""
+
+    def unavailable(self, message: Any) -> Sequence[str]:
+        """Return the values, by the name of their column, that a message has no number for."""
 
     def detected(self) -> list[tuple[str, object]]:
         """Return what was found out of the device's protocol, by name."""
@@ -59,6 +66,15 @@ class BahrsDecoder:
     def about(self, frame: Frame) -> dict[str, Any]:
         """Return the version of the protocol."""
         return {'version': frame_version(frame.data)}
+
+    def unavailable(self, message: Any) -> Sequence[str]:
+        """Return the signals that are not available, and times that are not known yet."""
+        if message.SIGNALS:
+            return [name for name, integrity in zip(message.SIGNALS, message.health)
+                    if not integrity.available]
+        if isinstance(message, TimeMessage) and not message.valid:
+            return ('device_time_us', 'reference_sequence')
+        return () if getattr(message, 'device_time_us', True) else ('device_time_us',)
 
     def detected(self) -> list[tuple[str, object]]:
         """Return what was found out of the device's protocol, by name."""
@@ -92,6 +108,11 @@ class TitanDecoder:
     def about(self, frame: Frame) -> dict[str, Any]:
         """Return no version, and the id that the answer came with."""
         return {'version': None, 'message_id': message_id(frame)}
+
+    def unavailable(self, message: Any) -> Sequence[str]:
+        """Return what a GPS receiver does not know without a position."""
+        no_position = isinstance(message, Gps) and not 1 <= message.zone <= LAST_ZONE
+        return _OF_A_POSITION if no_position else ()
 
     def detected(self) -> list[tuple[str, object]]:
         """Return what was found out of the device's protocol, by name."""

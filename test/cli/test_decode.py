@@ -6,12 +6,16 @@ import csv
 import json
 import shlex
 import subprocess
+import tempfile
 
+from bahrs_driver.cli.main import main
 from bahrs_driver.protocol.bahrs import (
-    Accuracy, HardwareVersion, Inertial, InertialTime, Navigation, NvmPage, SoftwareVersion,
+    Accuracy, HardwareVersion, Inertial, InertialTime, Navigation, NavigationTime, NvmPage,
+    SoftwareVersion, SyncPulseTime,
 )
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec, build_frame
 from bahrs_driver.protocol.integrity import Integrity
+from hypothesis import given, HealthCheck, settings, strategies as st
 from processes import command
 import pytest
 from shared_files import shared_file
@@ -64,11 +68,45 @@ def test_csv_has_a_row_a_message_and_a_column_a_field():
     out, _, _ = decode('--format', 'csv', '-', data=STREAM)
     rows = list(csv.DictReader(out.splitlines()))
     assert len(rows) == len(MESSAGES)
-    assert float(rows[2]['specific_force_z']) == pytest.approx(-9.7266)
+    assert float(rows[2]['specific_force_x']) == pytest.approx(0.0014964)
+    assert rows[2]['specific_force_z'] == ''
     assert rows[2]['specific_force_y_integrity'] == 'integrity_risk'
     assert rows[2]['pressure_height'] == ''
     assert float(rows[4]['pressure_height']) == pytest.approx(5187.59, abs=0.01)
     assert rows[5]['east_std'] == '' and float(rows[5]['heading_std']) == pytest.approx(0.02, 1e-2)
+
+
+def in_process(capsys, stream, *words):
+    """Run the verb on a stream in this process, and return the rows that it printed."""
+    with tempfile.NamedTemporaryFile() as file:
+        file.write(stream)
+        file.flush()
+        assert main(['decode', '--format', 'csv', *words, file.name]) == 0
+    return list(csv.DictReader(capsys.readouterr().out.splitlines()))
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(inertial=st.tuples(*[st.sampled_from(Integrity)] * 6),
+       navigation=st.tuples(*[st.sampled_from(Integrity)] * 5))
+def test_csv_has_no_number_for_what_is_not_available(capsys, inertial, navigation):
+    """Each signal by itself; what it is worth is in its own column."""
+    messages = (Inertial(3, (1.0, 2.0, -9.8), (0.1, 0.2, 0.3), inertial),
+                Navigation(1, 100.0, -0.5, 0.1, 0.2, 3.0, navigation))
+    rows = in_process(capsys, b''.join(BahrsCodec().encode(item, 3) for item in messages))
+    for row, message in zip(rows, messages, strict=True):
+        for signal, integrity in zip(message.SIGNALS, message.health):
+            assert row[f'{signal}_integrity'] == integrity.label
+            assert bool(row[signal]) == integrity.available
+            assert not row[signal] or float(row[signal]) != 0
+
+
+def test_csv_has_no_time_that_is_not_known(capsys):
+    """A device that has none yet sends zeros."""
+    messages = (NavigationTime(0, 0, 0), InertialTime(0, 0, 5000), Accuracy(0, None, None, None, 0),
+                SyncPulseTime(0, 77))
+    rows = in_process(capsys, b''.join(BahrsCodec().encode(item, 3) for item in messages))
+    assert [row['device_time_us'] for row in rows] == ['', '5000', '', '77']
+    assert [row['reference_sequence'] for row in rows] == ['', '0', '', '']
 
 
 def test_summary_counts():

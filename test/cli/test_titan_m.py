@@ -3,12 +3,13 @@
 """Tests of the verbs on a Titan-M, as processes."""
 
 import csv
+import dataclasses
 import json
 import math
 import subprocess
 
 from bahrs_driver.protocol.titan_frames import build_answer
-from bahrs_driver.protocol.titan_m import State
+from bahrs_driver.protocol.titan_m import Gps, State
 from processes import command
 import pytest
 from shared_files import shared_file
@@ -49,6 +50,23 @@ def test_csv_has_a_column_a_field():
     assert (row['message'], row['message_id'], row['offset']) == ('state', '7', '0')
     assert float(row['position_ned_down']) == -3.0 and float(row['attitude_heading']) == 1.5
     assert row['zone'] == '' and float(row['angular_rate_y']) == 0.0625
+
+
+def test_csv_has_no_number_for_what_a_receiver_does_not_know():
+    """Without a zone there is no position; values that are no number are none in JSON, too."""
+    numbers = Gps(376038.0, 404547.27, 5790639.68, 204.0, (5.6, 43.6, 0.0), 104.0, 30.9, 31.3, 14,
+                  True)
+    stream = build_answer(numbers) + build_answer(dataclasses.replace(numbers, zone=0))
+    stream += build_answer(dataclasses.replace(STATE, position_ned=(math.nan, math.inf, 1.0)))
+    out, _, _ = run('decode', '--format', 'csv', '--payload-order', 'little', '-', data=stream)
+    known, unknown, state = csv.DictReader(out.splitlines())
+    for name in ('easting', 'northing', 'altitude', 'velocity_ned_north', 'speed', 'heading_deg'):
+        assert float(known[name]) and not unknown[name]
+    assert unknown['zone'] == '0' and float(unknown['gps_time_s'])
+    assert (state['position_ned_north'], state['position_ned_east']) == ('', '')
+    out, _, _ = run('decode', '--format', 'jsonl', '--payload-order', 'little', '-', data=stream)
+    *_, state = [json.loads(line, parse_constant=pytest.fail) for line in out.splitlines()]
+    assert state['position_ned'] == [None, None, 1.0]
 
 
 def test_answers_that_could_be_of_either_order_are_not_guessed():
