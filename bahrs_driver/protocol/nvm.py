@@ -15,8 +15,9 @@ Known firmware agrees to enter only within half a second of power-on, so enterin
 long, and the user is told to switch the device off and on. Nobody knows beforehand which of the
 service frames' variants a device understands (padding and CRC, see bahrs_frames), so entering goes
 through all of them; the CRC of the answer tells which it was. A device that streams in the midst
-of reading has left by itself or was switched off and on, and is asked to enter again. If the
-device does not answer to leaving, it leaves by itself five seconds after the last request.
+of reading has left by itself or was switched off and on, and is asked to enter again, a few times.
+If the device does not answer to leaving, it leaves by itself five seconds after the last request.
+Whatever the device does, a session ends: no later than `time_limit` seconds after its begin.
 """
 
 from collections.abc import Sequence
@@ -39,6 +40,9 @@ ATTEMPTS = 40               # requests for a page without any answer before givi
 REFUSALS = 3                # answers in a row that a page cannot be read before believing it
 LEAVE_ATTEMPTS = 10
 STREAM_FRAMES = 20          # inertial messages that show that the device is not in the mode
+ENTRIES = 5                 # times that a device may agree to enter before giving up
+READ_TIME = 10.0            # s for reading, and for entering again after a power-cycle
+PAGE_TIME = 0.5             # s more for each page, ten times what a slow adapter takes
 OK = 0
 
 ServiceFrames = Literal['auto', 'crc32', 'mpeg2', 'crc32_padded', 'mpeg2_padded']
@@ -84,13 +88,20 @@ class NvmSession:
         self._wanted = list(pages)
         self._enter_timeout = enter_timeout
         self._enter_deadline = now + enter_timeout
+        self._read_limit = enter_timeout + READ_TIME + PAGE_TIME * len(self._wanted)
+        self._read_deadline = now + self._read_limit
         self._version = version or VERSIONS[-1]
         self._variants = [VARIANTS[service_frames]] if service_frames != 'auto' \
             else list(VARIANTS.values())
         self._next_variant = cycle(self._variants)
         self._codec = BahrsCodec()
         self._due = now
-        self._attempts = self._refusals = self._streamed = 0
+        self._attempts = self._refusals = self._streamed = self._entries = 0
+
+    @property
+    def time_limit(self) -> float:
+        """Seconds from the begin of the session to its end, at most."""
+        return self._read_limit + LEAVE_ATTEMPTS * ANSWER_TIMEOUT
 
     @property
     def progress(self) -> float:
@@ -106,6 +117,9 @@ class NvmSession:
         """Return what is to be sent now; nothing if it is not yet time."""
         if now < self._due:
             return b''
+        if now >= self._read_deadline:
+            self.cancel(f'the memory could not be read within {self._read_limit:g} s: check cable '
+                        'and power supply, and try again', now)
         if self.state is State.ENTERING:
             return self._ask_to_enter(now)
         if self.state is State.READING:
@@ -164,7 +178,10 @@ class NvmSession:
         self._streamed += 1
         if self._streamed < STREAM_FRAMES:
             return
-        if self.state is State.READING:
+        if self.state is State.READING and self._entries >= ENTRIES:
+            self._leave(now, f'the device agreed {ENTRIES} times to diagnostics mode and did not '
+                             'stay in it: check its power supply, and try again')
+        elif self.state is State.READING:
             self.state = State.ENTERING
             self._due, self._enter_deadline = now, now + self._enter_timeout
         elif self.state is State.LEAVING and self._attempts:
@@ -183,6 +200,7 @@ class NvmSession:
         if status != OK:
             self._leave(now, f'the device refuses diagnostics mode (status {status})')
             return
+        self._entries += 1
         self._variants = [v for v in self._variants if v.checksum == checksum] or self._variants
         self._next_variant = cycle(self._variants)
         self._go(State.READING, now)

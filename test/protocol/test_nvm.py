@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the diagnostics session, against a device in simulated time."""
 
+from itertools import cycle
+
 from bahrs_driver.emulator.bahrs_diagnostics import DiagnosticsMode, ServiceHabits
 from bahrs_driver.emulator.faults import Faults
 from bahrs_driver.protocol.bahrs import (
@@ -11,6 +13,7 @@ from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.protocol.nvm import NvmSession, State
+from hypothesis import given, strategies
 import pytest
 
 IMAGE = bytes((7 * index + index // 251) % 256 for index in range(8000))
@@ -88,6 +91,49 @@ def test_a_dump_in_every_variant(checksum, padded, window):
     assert not session.error and bench.dump == IMAGE
     assert not bench.device.active(bench.now)
     assert bench.sent.count(NvmReadRequest.TYPE) == 250
+
+
+class Restless(DiagnosticsMode):
+    """A device that agrees to diagnostics mode, and goes on streaming."""
+
+    def active(self, time):
+        """Never stay in it."""
+        return False
+
+
+def test_a_device_that_agrees_and_goes_on_streaming():
+    """It is asked again a few times, and then left alone."""
+    bench = Bench()
+    bench.device = Restless(ServiceHabits(image=IMAGE))
+    session = bench.run(10)
+    assert 'agreed 5 times to diagnostics mode and did not stay in it' in session.error
+    assert bench.sent.count(EnterDiagnostics.TYPE) < 20
+
+
+ANSWERS = strategies.sampled_from([
+    STREAM, *(Acknowledgement(kind.TYPE, status) for status in (0, 255)
+              for kind in (EnterDiagnostics, ExitDiagnostics, NvmReadRequest)),
+    NvmPage(0, bytes(32)), NvmPage(1, bytes(32)), NvmPage(249, bytes(32))])
+
+
+@given(strategies.lists(strategies.tuples(
+    ANSWERS, strategies.integers(1, 100), strategies.floats(0.0, 2.0)), min_size=1),
+    strategies.sampled_from([[0], [1, 2], range(250)]), strategies.floats(0.0, 60.0))
+def test_every_session_ends_in_time(answers, pages, enter_timeout):
+    """Whatever the device says, as often as it likes, and whenever."""
+    session, now = NvmSession(pages, 0.0, enter_timeout), 0.0
+    for message, count, pause in cycle(answers):
+        until = now + max(pause, 0.01)
+        while session.state is not State.FINISHED and session.due < until:
+            now = max(now, session.due)
+            session.send(now)
+        if session.state is State.FINISHED:
+            break
+        now = until
+        for _ in range(count):
+            session.receive(message, 'crc32', now)
+    assert now <= session.time_limit + 0.01
+    assert session.error or len(session.pages) == len(pages)
 
 
 def test_one_page():
