@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.emulator.texts import number
+from bahrs_driver.printable import printable
 
 Value = TypeVar('Value')
 
@@ -29,12 +30,12 @@ def a_number(what: str, low: float = 0.0, high: float = math.inf) -> Callable[[s
 
 
 def opened(name: str, mode: str) -> Any:
-    """Open a file, or raise CommandError."""
+    """Open a file for reading; CommandError if that is not possible."""
     try:
         return open(name, mode)
-    except OSError as error:
-        action = 'write' if 'w' in mode else 'read'
-        raise CommandError(f'cannot {action} {name}: {error.strerror}') from error
+    except (OSError, ValueError) as error:
+        reason = getattr(error, 'strerror', None) or error
+        raise CommandError(f'cannot read {printable(name)}: {reason}') from error
 
 
 def positive(text: str) -> float:

@@ -7,7 +7,6 @@ import contextlib
 from datetime import datetime, timezone
 import json
 from pathlib import Path
-import shutil
 import sys
 
 from bahrs_driver.cli.convert_settings import read_settings, unused_options
@@ -15,8 +14,11 @@ from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.node_options import checked_namespace
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.cli.sensors import sensor_of
+from bahrs_driver.files.guard import WriteError
+from bahrs_driver.files.new_directory import new_directory
 from bahrs_driver.link import Link
 from bahrs_driver.parameter import ParameterError
+from bahrs_driver.printable import printable
 from bahrs_driver.recording.capture import Capture, read_capture
 from bahrs_driver.recording.conversion import Conversion, Outcome
 from bahrs_driver.recording.errors import CaptureError
@@ -64,11 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Convert; 1 if there was nothing to convert."""
-    target = Path(options.output)
     options.namespace = checked_namespace(options.namespace)
-    if target.exists():
-        raise CommandError(f'{target} exists already, and is not written over')
-    half_done = target.with_name(f'.{target.name}.partial')
     try:
         capture = read_capture(options.input, options.topic)
         name = sensor_of(capture, options.sensor, SENSORS)
@@ -78,15 +76,12 @@ def run(options: argparse.Namespace) -> int:
         settings, notes = read_settings(options.parameters, name)
         conversion = Conversion(capture, settings, lambda: SENSORS[name](settings, Link(
             settings['port'], settings['baud_rate'])), options.start)
-        shutil.rmtree(half_done, ignore_errors=True)
-        outcome = _convert(options, conversion, capture, half_done)
-        if not outcome.frames:
-            raise CommandError(f'no frame of a {name} in {options.input}')
-        half_done.rename(target)
-    except (CaptureError, ParameterError) as error:
+        with new_directory(options.output) as folder:
+            outcome = _convert(options, conversion, capture, folder)
+            if not outcome.frames:
+                raise CommandError(f'no frame of a {name} in {options.input}')
+    except (CaptureError, ParameterError, WriteError) as error:
         raise CommandError(str(error)) from error
-    finally:
-        shutil.rmtree(half_done, ignore_errors=True)
     _report(options, [*unused_options(options, capture.timed), *notes, *capture.notes,
                       *conversion.notices, *outcome.clock_steps], outcome)
     return 0
@@ -95,7 +90,7 @@ def run(options: argparse.Namespace) -> int:
 def _convert(options: argparse.Namespace, conversion: Conversion, capture: Capture,
              folder: Path) -> Outcome:
     output: CsvOutput | BagOutput = CsvOutput(folder) if options.kind == 'csv' else \
-        BagOutput(folder, Path(options.output).name, options.namespace)
+        BagOutput(folder, folder.name, options.namespace)
     with contextlib.closing(output), progress_bar() as bar:
         tasks: dict[str, TaskID] = {}
 
@@ -104,7 +99,12 @@ def _convert(options: argparse.Namespace, conversion: Conversion, capture: Captu
                 tasks[what] = bar.add_task(what, total=capture.size)
             bar.update(tasks[what], completed=capture.done)
 
-        return conversion.run(output, progress)
+        try:
+            return conversion.run(output, progress)
+        except (CaptureError, WriteError) as error:
+            # The user knows the directory by the name that it was to have.
+            raise CommandError(str(error).replace(printable(folder), printable(options.output))
+                               ) from error
 
 
 def _report(options: argparse.Namespace, notes: list[str], outcome: Outcome) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 from bahrs_driver.cli import emulate_bahrs, emulate_titan_m
 from bahrs_driver.cli.arguments import a_number, checked, opened
 from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.cli.outputs import add_force, live_output, output_file, same_output
 from bahrs_driver.cli.signals import ENDING, heeded
 from bahrs_driver.emulator.cable import adapter_mode, Cable
 from bahrs_driver.emulator.control import COMMANDS, ControlError
@@ -24,6 +25,8 @@ from bahrs_driver.emulator.runner import ControlInput, PacedRun, run_to_file
 from bahrs_driver.emulator.scenario import parse, TimedCommand
 from bahrs_driver.emulator.session import Session
 from bahrs_driver.emulator.truth_file import HostTime, TruthFile
+from bahrs_driver.files.guard import reason, WriteError
+from bahrs_driver.printable import printable
 
 # The module of each device has add_arguments and make_device.
 _DEVICES: dict[str, Any] = {'bahrs': emulate_bahrs, 'titan_m': emulate_titan_m}
@@ -54,13 +57,15 @@ def _add_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--wait', action='store_true',
                         help='stay switched off until somebody opens the port')
     parser.add_argument('--output', metavar='FILE',
-                        help='no port: write the bytes into a file, as fast as possible')
+                        help='no port: write the bytes into a file, as fast as possible; - is '
+                             'standard output')
     parser.add_argument('--duration', type=a_number('a duration'), default=math.inf,
                         metavar='SECONDS', help='end after this long (default: never)')
     parser.add_argument('--seed', type=int, default=1, metavar='NUMBER',
                         help='of all that is random (default: %(default)s)')
     parser.add_argument('--truth', metavar='FILE',
-                        help='write what was really so, one JSON object a line for each frame')
+                        help='write ground truth, one JSON line per frame; - is standard output')
+    add_force(parser)
     parser.add_argument('--scenario', metavar='FILE',
                         help='commands to carry out, each after its seconds since the start: '
                              '"12.5 integrity roll risk"')
@@ -97,10 +102,13 @@ def run(options: argparse.Namespace) -> int:
     """Emulate until the duration is over, or a command or a signal ends it."""
     if options.output and not math.isfinite(options.duration):
         raise CommandError('--output needs --duration SECONDS: the motion has no end')
+    if options.truth and same_output(options.truth, options.output):
+        raise CommandError(f'--truth and --output are both {printable(options.output)}: choose '
+                           'another name for one of them')
     _refuse_foreign(options)
     scenario = _scenario(options.scenario)
     with contextlib.ExitStack() as stack:
-        truth_file = TruthFile(stack.enter_context(opened(options.truth, 'w'))) \
+        truth_file = TruthFile(stack.enter_context(live_output(options.truth, options.force))) \
             if options.truth else None
 
         def session(zero: HostTime) -> Session:
@@ -111,8 +119,8 @@ def run(options: argparse.Namespace) -> int:
                 _run_to_file(options, session(HostTime()))
             else:
                 _run_on_port(options, session)
-        except OSError as error:
-            raise CommandError(f'cannot go on: {error}') from error
+        except (OSError, WriteError) as error:
+            raise CommandError(f'cannot go on: {reason(error)}') from error
     return 0
 
 
@@ -129,7 +137,7 @@ def _refuse_foreign(options: argparse.Namespace) -> None:
 
 
 def _run_to_file(options: argparse.Namespace, session: Session) -> None:
-    with opened(options.output, 'wb') as file:
+    with output_file(options.output, options.force) as file:
         try:
             run_to_file(session, options.duration, file)
         except ControlError as error:

@@ -7,7 +7,7 @@ import contextlib
 import sys
 from typing import BinaryIO
 
-from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.cli.arguments import opened
 
 STANDARD_INPUT = '-'
 
@@ -18,9 +18,5 @@ def binary_input(name: str) -> Iterator[BinaryIO]:
     if name == STANDARD_INPUT:
         yield sys.stdin.buffer
         return
-    try:
-        file = open(name, 'rb')
-    except OSError as error:
-        raise CommandError(f'cannot read {name}: {error.strerror}') from error
-    with file:
+    with opened(name, 'rb') as file:
         yield file

@@ -5,6 +5,7 @@
 import argparse
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
+from io import TextIOWrapper
 import os
 import sys
 
@@ -50,6 +51,8 @@ _EPILOG = f"""examples:
 def main(args: list[str] | None = None) -> int:
     """Run one verb; 0 on success, 1 on failure, 2 on a mistake in the command line."""
     words, for_ros = ros_arguments.split(sys.argv[1:] if args is None else args)
+    if isinstance(sys.stdout, TextIOWrapper):       # the name of a file may be any bytes
+        sys.stdout.reconfigure(errors='backslashreplace')
     verb = words[0] if words else ''
     status = _status(verb, words, for_ros)
     if args is None:

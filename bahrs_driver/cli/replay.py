@@ -18,6 +18,7 @@ from bahrs_driver.emulator.faults import Faults, NAMES as FAULTS, parse_fault
 from bahrs_driver.emulator.pacing import paced, Piece, through
 from bahrs_driver.emulator.player import Player
 from bahrs_driver.emulator.pty_port import PtyPort
+from bahrs_driver.files.guard import reason, WriteError
 from bahrs_driver.printable import printable
 from bahrs_driver.protocol.bahrs_frames import BahrsFormat
 from bahrs_driver.protocol.framing import FrameFormat, Framer
@@ -91,8 +92,8 @@ def run(options: argparse.Namespace) -> int:
     faults = Faults(options.seed, dict(options.fault))
     try:
         port = PtyPort(options.link)
-    except OSError as error:
-        raise CommandError(f'cannot make the port: {error}') from error
+    except (OSError, WriteError) as error:
+        raise CommandError(f'cannot make the port: {reason(error)}') from error
     patience = options.reopen_timeout
     if patience is None and not options.loop:
         patience = REOPEN_TIMEOUT

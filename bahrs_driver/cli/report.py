@@ -3,11 +3,13 @@
 """`bahrs report`: a recording on one page, for people."""
 
 import argparse
+import contextlib
 import json
 import os
 from pathlib import Path
 
 from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.cli.outputs import add_force, is_standard_output, output_file
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.printable import printable
 from bahrs_driver.recording.capture import Capture, read_capture
@@ -16,7 +18,7 @@ from bahrs_driver.report.clock import clock_story
 from bahrs_driver.report.findings import findings
 from bahrs_driver.report.gather import gather, Recording
 from bahrs_driver.report.page import page
-from bahrs_driver.whole_file import write_whole
+from rich.markup import escape
 
 _EXAMPLES = """examples:
   bahrs report flight.bin                       writes flight.html beside it
@@ -36,7 +38,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('input', help='file of bytes as the device sent them, or a bag that '
                                       'holds the topic raw')
     parser.add_argument('-o', '--output', metavar='FILE',
-                        help='page to write (default: beside the recording, with .html)')
+                        help='page to write; - is standard output (default: beside the '
+                             'recording, with .html)')
+    add_force(parser)
     parser.add_argument('--topic', help="the bag's topic of raw bytes, if there are several")
     parser.add_argument('--crc', choices=('auto', 'word', 'byte'), default='auto',
                         help='order of the CRC (default: %(default)s)')
@@ -48,6 +52,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Read the recording and write the page; 1 if there is nothing in it."""
+    if options.json:
+        print(json.dumps(_record(_recording(options))))
+        return 0
+    target = options.output or str(_target(options))
+    _refuse_input(target, options.input)
+    with output_file(target, options.force) as file:
+        file.write(''.join(page(_recording(options))).encode(errors='backslashreplace'))
+    if not is_standard_output(target):
+        print(printable(target))
+    return 0
+
+
+def _recording(options: argparse.Namespace) -> Recording:
+    """Return what is in the recording; CommandError if nothing is."""
     try:
         capture = read_capture(options.input, options.topic)
         if capture.sensor not in (None, 'bahrs'):
@@ -59,19 +77,17 @@ def run(options: argparse.Namespace) -> int:
     if not recording.counters.frames:
         raise CommandError(f'no frame of a BAHRS in the {recording.size:,} bytes of '
                            f'{printable(options.input)}')
-    if options.json:
-        print(json.dumps(_record(recording)))
-        return 0
-    target = _target(options)
-    if target.exists() and target.samefile(options.input):
-        raise CommandError(f'{printable(target)} is the recording itself: give the page another '
-                           'name')
-    try:
-        write_whole(target, ''.join(page(recording)).encode())
-    except OSError as error:
-        raise CommandError(f'cannot write {printable(target)}: {error.strerror}') from error
-    print(printable(target))
-    return 0
+    return recording
+
+
+def _refuse_input(target: str, source: str) -> None:
+    """Raise CommandError if a target is of the recording, which --force must not replace."""
+    with contextlib.suppress(OSError, ValueError):      # one of the two does not exist
+        bag = os.path.join(os.path.realpath(source), '')
+        if os.path.samefile(target, source) or os.path.realpath(target, strict=True
+                                                                ).startswith(bag):
+            raise CommandError(f'{printable(target)} is the recording itself: give the page '
+                               'another name')
 
 
 def _target(options: argparse.Namespace) -> Path:
@@ -85,7 +101,8 @@ def _target(options: argparse.Namespace) -> Path:
 
 def _gather(options: argparse.Namespace, capture: Capture) -> Recording:
     with progress_bar() as progress:
-        task = progress.add_task(os.path.basename(options.input), total=capture.size or None)
+        name = escape(printable(os.path.basename(options.input)))
+        task = progress.add_task(name, total=capture.size or None)
         return gather(capture, options.crc, options.pressure_height,
                       lambda: progress.update(task, completed=capture.done))
 

@@ -6,11 +6,16 @@ import fcntl
 import os
 from pathlib import Path
 import pty
+import re
 import select
 import struct
 import termios
 import tty
 
+from bahrs_driver.files.guard import guard
+from bahrs_driver.printable import printable
+
+_PSEUDO_TERMINAL = re.compile('/dev/pts/[0-9]+')
 _READ_SIZE = 4096
 _NOBODY_WAIT = 0.02     # s between two looks for somebody at the other end
 
@@ -23,19 +28,24 @@ class PtyPort:
     """
 
     def __init__(self, link: str | None = None) -> None:
-        """Make the port. FileExistsError if link is there and is not a symbolic link."""
+        """
+        Make the port.
+
+        Only the link of a pseudo-terminal that is gone is replaced; FileExistsError if anything
+        else is there, OSError if the port cannot be made, WriteError if the link cannot.
+        """
         self._link = Path(link) if link else None
-        if self._link and self._link.exists() and not self._link.is_symlink():
-            raise FileExistsError(f'{link} exists and is not a symbolic link')
         self._fd, far_end = pty.openpty()
         tty.setraw(far_end)
         os.set_blocking(self._fd, False)
         self.path = os.ttyname(far_end)
         # Closing it lets poll() tell whether anybody else has it open.
         os.close(far_end)
-        if self._link:
-            self._link.unlink(missing_ok=True)
-            self._link.symlink_to(self.path)
+        try:
+            self._make_link()
+        except BaseException:
+            os.close(self._fd)
+            raise
 
     @property
     def name(self) -> str:
@@ -72,6 +82,28 @@ class PtyPort:
             select.select([], [], [], _NOBODY_WAIT)
             waited += _NOBODY_WAIT
         return True
+
+    def _make_link(self) -> None:
+        if not self._link:
+            return
+        if os.path.lexists(self._link):
+            self._refuse_foreign(self._link)
+            self._link.unlink(missing_ok=True)
+        with guard(self._link):
+            self._link.symlink_to(self.path)
+
+    def _refuse_foreign(self, link: Path) -> None:
+        """Raise FileExistsError unless a link is what an emulator that was killed has left."""
+        if not link.is_symlink():
+            raise FileExistsError(f'{printable(link)} exists and is not a symbolic link: choose '
+                                  'another name')
+        leads_to = os.readlink(link)
+        if not _PSEUDO_TERMINAL.fullmatch(leads_to):
+            raise FileExistsError(f'{printable(link)} leads to {printable(leads_to)}, which is '
+                                  'not a port of an emulator: choose another name')
+        if leads_to != self.path and link.exists():
+            raise FileExistsError(f'{printable(link)} is the port of another program: end that, '
+                                  'or remove the link')
 
     def _unread(self) -> int:
         """Return how many bytes wait at the other end; 0 if that is opened for one only."""

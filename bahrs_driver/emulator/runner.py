@@ -7,7 +7,7 @@ import math
 import os
 import select
 import time
-from typing import BinaryIO
+from typing import Protocol
 
 from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.emulator.control import ControlError
@@ -22,7 +22,14 @@ _READ_SIZE = 4096
 _FILE_STEP = 1.0        # s of emulated time that go into a file at once
 
 
-def run_to_file(session: Session, duration: float, file: BinaryIO) -> None:
+class Output(Protocol):
+    """What the bytes of an emulation are written to."""
+
+    def write(self, data: bytes) -> object:
+        """Append data."""
+
+
+def run_to_file(session: Session, duration: float, file: Output) -> None:
     """Write what arrives at the host in some seconds, as fast as it can be made."""
     emulation, now = session.emulation, 0.0
     while now < duration and not emulation.ended:

@@ -3,7 +3,7 @@
 """The truth, one JSON object a line, for whoever wants to know how far off they are."""
 
 import json
-from typing import NamedTuple, TextIO
+from typing import NamedTuple, Protocol
 
 from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.emulator.emulation import Sent
@@ -16,6 +16,16 @@ class HostTime(NamedTuple):
 
     monotonic_ns: int = 0
     unix_ns: int = 0
+
+
+class TextOutput(Protocol):
+    """What the lines are written to."""
+
+    def write(self, text: str) -> object:
+        """Append a text."""
+
+    def flush(self) -> object:
+        """Let others see what was written."""
 
 
 class TruthFile:
@@ -31,7 +41,7 @@ class TruthFile:
     intact, damaged, dropped, overrun, unplugged.
     """
 
-    def __init__(self, file: TextIO) -> None:
+    def __init__(self, file: TextOutput) -> None:
         """Write into an open file."""
         self._file = file
         self._flush_due = 0.0

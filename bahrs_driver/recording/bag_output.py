@@ -10,11 +10,12 @@ metadata.yaml is there from the beginning.
 """
 
 from collections.abc import Callable, Iterable
+import contextlib
 from pathlib import Path
 from types import TracebackType
 
 from bahrs_driver.printable import printable
-from bahrs_driver.recording.errors import CaptureError
+from bahrs_driver.recording.errors import CaptureError, guard_writing
 from bahrs_driver.recording.metadata import as_yaml, Span, write_metadata
 from bahrs_driver.recording.sealed_file import SealedFile
 from bahrs_driver.recording.topics import definition, Topic
@@ -44,18 +45,18 @@ class BagWriter:
         name is what its files are called by, if not by the directory.
         """
         self.folder = Path(folder)
-        self._name = _file_name(name or self.folder.resolve().name)
+        with guard_writing(folder):
+            self._name = _file_name(name or self.folder.resolve().name)
         self._topics: dict[str, Topic] = {}
         self._files: list[Span] = []
-        try:
-            self.folder.mkdir(parents=True)
-        except FileExistsError as error:
-            raise ExistingFolderError(
-                f'{printable(folder)} exists already, and is not written over') from error
-        except OSError as error:
-            raise CaptureError(f'cannot make {printable(folder)}: {error.strerror}') from error
         self._broken = False
-        self._begin_file()
+        make_directory(self.folder)
+        try:
+            self._begin_file()
+        except CaptureError:
+            with contextlib.suppress(OSError):      # it is ours, but may hold something by now
+                self.folder.rmdir()
+            raise
 
     @property
     def count(self) -> int:
@@ -132,11 +133,8 @@ class BagWriter:
     def _begin_file(self) -> None:
         name = f'{self._name}_{len(self._files)}.mcap'
         self._files.append(Span(name))
-        try:
+        with guard_writing(self.folder / name):
             self._stream = SealedFile(self.folder / name, _end())
-        except OSError as error:
-            raise CaptureError(
-                f'cannot make {printable(self.folder / name)}: {error.strerror}') from error
         self._writer = Writer(self._stream, CHUNK_SIZE,  # type: ignore[arg-type]
                               CompressionType.ZSTD)
         self._writer.start('ros2', LIBRARY)
@@ -161,30 +159,31 @@ class BagWriter:
             {'offered_qos_profiles': as_yaml(topic.qos), 'topic_type_hash': type_hash})
 
     def _write_metadata(self) -> None:
-        try:
-            write_metadata(self.folder, self._topics.values(), self._files)
-        except OSError as error:
-            self._broken = True
-            raise self._cannot_write(error) from error
-
-    def _cannot_write(self, error: OSError) -> CaptureError:
-        return CaptureError(f'cannot write into {printable(self.folder)}: {error.strerror}')
+        self._guard(lambda: write_metadata(self.folder, self._topics.values(), self._files))
 
     def _guard(self, action: Callable[[], None]) -> None:
         try:
-            action()
+            with guard_writing(self.folder):
+                action()
         except CaptureError:
             self._broken = True
             raise
-        except OSError as error:
-            self._broken = True
-            raise self._cannot_write(error) from error
 
 
 def _file_name(folder_name: str) -> str:
     """Return a name for files: metadata.yaml is text, and holds no bytes that are none."""
     return ''.join(character if character.isprintable() else '_'
                    for character in folder_name) or 'bag'
+
+
+def make_directory(folder: Path) -> None:
+    """Make a directory with its parents; CaptureError if it exists or cannot be made."""
+    with guard_writing(folder, 'make'):
+        try:
+            folder.mkdir(parents=True)
+        except FileExistsError as error:
+            raise ExistingFolderError(
+                f'{printable(folder)} exists already, and is not written over') from error
 
 
 def _end() -> bytes:

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from bahrs_driver.files.atomic_file import write_atomic
 from bahrs_driver.recording.topics import definition, Topic
-from bahrs_driver.whole_file import write_whole
 import yaml
 
 VERSION = 9
@@ -39,9 +39,9 @@ class Span:
 
 
 def write_metadata(folder: Path, topics: Iterable[Topic], files: list[Span]) -> None:
-    """Write the file, whole or not at all. OSError if it cannot be written."""
+    """Write the file, complete or not at all; WriteError if it cannot be written."""
     text = as_yaml({'rosbag2_bagfile_information': information(topics, files)})
-    write_whole(folder / NAME, text.encode())
+    write_atomic(folder / NAME, text.encode(), replace=True)
 
 
 def as_yaml(data: Any) -> str:

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 import csv
 import json
 from pathlib import Path
-from typing import Any, IO
+from typing import Any
 
-from bahrs_driver.recording.bag_output import BagWriter
-from bahrs_driver.recording.errors import CaptureError
+from bahrs_driver.files.live_file import LiveFile
+from bahrs_driver.recording.bag_output import BagWriter, make_directory
 from bahrs_driver.recording.serialization import serialized, type_name
 from bahrs_driver.recording.topics import profile, Topic
 
@@ -49,23 +49,21 @@ class CsvOutput:
     def __init__(self, folder: Path) -> None:
         """Make the directory; CaptureError if it exists or cannot be made."""
         self._folder = folder
-        self._files: list[IO[str]] = []
+        self._files: list[LiveFile] = []
         self._writers: dict[str, Any] = {}
-        try:
-            folder.mkdir(parents=True)
-        except OSError as error:
-            raise CaptureError(f'cannot make {folder}: {error.strerror}') from error
+        make_directory(folder)
 
     def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
-        """Take all topics; each gets its file and its heading."""
+        """Make the file of each topic, with its heading; WriteError if that is not possible."""
         for topic, kind in topics.items():
-            file = (self._folder / f"{topic.strip('/').replace('/', '_')}.csv").open('w')
+            path = self._folder / f"{topic.strip('/').replace('/', '_')}.csv"
+            file = LiveFile(path)
             self._files.append(file)
             self._writers[topic] = csv.writer(file, lineterminator='\n')
             self._writers[topic].writerow(['time_ns', *(name for name, _ in _flat('', kind()))])
 
     def write(self, topic: str, time_ns: int, message: Any) -> None:
-        """Take a message and its ROS time."""
+        """Append a row with a message and its ROS time; WriteError if there is no room."""
         self._writers[topic].writerow([time_ns, *(value for _, value in _flat('', message))])
 
     def close(self) -> None:

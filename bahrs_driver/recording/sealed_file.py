@@ -13,8 +13,8 @@ import contextlib
 import os
 from pathlib import Path
 
+from bahrs_driver.files.guard import reason, WriteError
 from bahrs_driver.printable import printable
-from bahrs_driver.recording.errors import CaptureError
 
 
 class SealedFile:
@@ -49,7 +49,7 @@ class SealedFile:
         return self._place + len(self._pending)
 
     def flush(self) -> None:
-        """Write all, and the end. CaptureError if there is no room; the file is then as before."""
+        """Write all, and the end. WriteError if there is no room; the file is then as before."""
         self._put(self._seal)
 
     def sync(self) -> None:
@@ -57,7 +57,7 @@ class SealedFile:
         os.fdatasync(self._file)
 
     def finish(self) -> None:
-        """Write all, which has an end of its own, and close. CaptureError as in flush."""
+        """Write all, which has an end of its own, and close. WriteError as in flush."""
         try:
             self._put(b'')
             self.sync()
@@ -81,8 +81,8 @@ class SealedFile:
             with contextlib.suppress(OSError):
                 os.ftruncate(self._file, self._place)
                 _write(self._file, self._seal, self._place)
-            raise CaptureError(f'cannot write {printable(self._path)}: {error.strerror}; it has '
-                               'all that came before') from error
+            raise WriteError(f'cannot write {printable(self._path)}: {reason(error)}; it has all '
+                             'that came before') from error
         self._place += len(data) - len(end)
 
 

@@ -9,8 +9,12 @@ import select
 import threading
 
 from bahrs_driver.emulator.pty_port import PtyPort
+from bahrs_driver.files.guard import WriteError
 from processes import wait_for
 import pytest
+from targets import IMPOSSIBLE, link_to, NOT_REGULAR, REGULAR, snapshot
+
+EVERY_KIND = {**REGULAR, **NOT_REGULAR, 'link to a file': link_to(REGULAR['regular'])}
 
 
 @contextlib.contextmanager
@@ -118,23 +122,42 @@ def test_closing_twice_does_no_harm():
     port.close()
 
 
-def test_what_is_no_link_is_left_alone(tmp_path):
-    """A file is not overwritten; an old link is."""
-    file, link = tmp_path / 'file', tmp_path / 'link'
-    file.write_text('precious')
-    with pytest.raises(FileExistsError, match='not a symbolic link'):
-        PtyPort(str(file))
-    assert file.read_text() == 'precious'
-    link.symlink_to('/nowhere')
+@pytest.mark.parametrize('kind', EVERY_KIND)
+def test_what_is_no_link_of_an_emulator_is_left_alone(tmp_path, kind):
+    """Neither a file nor a link of the user is replaced, wherever it leads."""
+    path = tmp_path / 'port'
+    EVERY_KIND[kind](path)
+    before = snapshot(tmp_path)
+    with pytest.raises(FileExistsError, match='choose another name'):
+        PtyPort(str(path))
+    assert snapshot(tmp_path) == before
+
+
+@pytest.mark.parametrize('kind', set(IMPOSSIBLE) - {'trailing slash'})
+def test_where_no_link_can_be_made(tmp_path, kind, monkeypatch):
+    """A sentence names the path, and no descriptor is left open."""
+    monkeypatch.chdir(tmp_path)
+    Path('file').touch()
+    before = len(os.listdir('/proc/self/fd'))
+    with pytest.raises((WriteError, FileExistsError)):
+        PtyPort(IMPOSSIBLE[kind])
+    assert len(os.listdir('/proc/self/fd')) == before
+
+
+def test_the_link_of_an_emulator_that_was_killed_is_replaced(tmp_path):
+    """Its port is gone; that of one that still runs is not taken away."""
+    link = tmp_path / 'port'
+    link.symlink_to('/dev/pts/99999')
     with PtyPort(str(link)) as port:
+        assert os.readlink(link) == port.path
+        with pytest.raises(FileExistsError, match='the port of another program'):
+            PtyPort(str(link))
         assert os.readlink(link) == port.path
 
 
 def test_a_link_that_leads_elsewhere_by_now_stays(tmp_path):
-    """It belongs to another emulator that was started later."""
+    """It belongs to whoever made it later."""
     link = tmp_path / 'port'
-    with PtyPort(str(link)), PtyPort(str(link)) as later:
-        assert os.readlink(link) == later.path
     with PtyPort(str(link)) as first:
         link.unlink()
         link.symlink_to('/elsewhere')

@@ -163,7 +163,7 @@ def test_no_room(tmp_path):
     bag, sent, good = BagWriter(tmp_path / 'bag'), [], 0
     bag.add_topics(TOPICS)
     with small_disk(), \
-            pytest.raises(CaptureError, match='bag_0.mcap: File too large; it has all'):
+            pytest.raises(CaptureError, match='File too large: choose another directory; it has'):
         while True:
             data = number(0.0)[:4] + os.urandom(8)
             bag.write('/heading', START + len(sent), data)

@@ -1,0 +1,90 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Files that the user names for a verb to write.
+
+One rule for all verbs: a regular file, complete or not at all, never in place of another one
+without --force. "-" and /dev/stdout are standard output, /dev/null takes what nobody wants; no
+other device, FIFO or socket is written into.
+"""
+
+import argparse
+from collections.abc import Iterator
+import contextlib
+import os
+import sys
+from typing import TextIO
+
+from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.emulator.runner import Output
+from bahrs_driver.files.atomic_file import atomic_file
+from bahrs_driver.files.guard import guard, TargetExists, WriteError
+from bahrs_driver.files.live_file import LiveFile
+
+STANDARD_OUTPUT = ('-', '/dev/stdout')
+
+
+def add_force(parser: argparse.ArgumentParser) -> None:
+    """Add the option that allows to replace a file."""
+    parser.add_argument('--force', action='store_true',
+                        help='replace a file that exists (default: refuse)')
+
+
+def is_standard_output(name: str) -> bool:
+    """Return whether a name means standard output."""
+    return name in STANDARD_OUTPUT
+
+
+def same_output(one: str, other: str | None) -> bool:
+    """Return whether two outputs, the second of which may be missing, would be one."""
+    if other is None or os.devnull in (one, other):
+        return False
+    if is_standard_output(one) or is_standard_output(other):
+        return is_standard_output(one) and is_standard_output(other)
+    with command_errors(), guard(one):
+        return os.path.realpath(one) == os.path.realpath(other)
+
+
+@contextlib.contextmanager
+def command_errors() -> Iterator[None]:
+    """Convert a WriteError to a CommandError with the remedy."""
+    try:
+        yield
+    except TargetExists as error:
+        raise CommandError(f'{error}: choose another name, or replace it with --force') from error
+    except WriteError as error:
+        raise CommandError(str(error)) from error
+
+
+@contextlib.contextmanager
+def output_file(name: str, force: bool) -> Iterator[Output]:
+    """
+    Yield what to write the bytes of a file to, which appears when the block ends.
+
+    If the block raises, nothing is written. CommandError says why the file cannot be written; it
+    comes before the block if that is known then.
+    """
+    with command_errors():
+        if is_standard_output(name):
+            yield sys.stdout.buffer
+        elif name == os.devnull:
+            with open(name, 'wb') as sink:
+                yield sink
+        else:
+            with atomic_file(name, force) as file:
+                yield file
+                file.commit()
+
+
+@contextlib.contextmanager
+def live_output(name: str, force: bool) -> Iterator[TextIO | LiveFile]:
+    """Yield what to write the text of a file to that others read meanwhile, or CommandError."""
+    with command_errors():
+        if is_standard_output(name):
+            yield sys.stdout
+        elif name == os.devnull:
+            with open(name, 'w') as sink:
+                yield sink
+        else:
+            with contextlib.closing(LiveFile(name, force)) as file:
+                yield file

@@ -1,0 +1,128 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The boundary between this package and the file system: what may be written, and why not."""
+
+from collections.abc import Iterator
+import contextlib
+import errno
+import os
+from pathlib import Path
+import secrets
+import stat
+
+from bahrs_driver.printable import printable
+
+PathLike = str | Path
+SHARED_MEMORY = '/dev/shm/'     # the only directory below /dev for files
+ANOTHER = 'choose another directory'
+REMEDIES = {
+    errno.ENOENT: 'create its directory first',
+    errno.EACCES: ANOTHER, errno.EPERM: ANOTHER, errno.EROFS: ANOTHER, errno.EFBIG: ANOTHER,
+    errno.ENOSPC: f'free some space, or {ANOTHER}',
+    errno.EDQUOT: f'free some space, or {ANOTHER}',
+    errno.ENAMETOOLONG: 'choose a shorter name',
+    errno.ELOOP: 'name the file itself, not a link',
+}
+KINDS = {
+    stat.S_IFDIR: 'a directory', stat.S_IFLNK: 'a symbolic link', stat.S_IFIFO: 'a FIFO',
+    stat.S_IFSOCK: 'a socket', stat.S_IFCHR: 'a character device', stat.S_IFBLK: 'a block device'}
+
+
+class WriteError(Exception):
+    """A file cannot be written. The text is one sentence with the target and the reason."""
+
+
+class TargetExists(WriteError):
+    """The target exists, and must not be replaced."""
+
+    def __init__(self, target: PathLike) -> None:
+        """Compose the sentence."""
+        super().__init__(f'{printable(target)} exists already')
+
+
+@contextlib.contextmanager
+def guard(target: PathLike, verb: str = 'write') -> Iterator[None]:
+    """Convert every exception in the block, which writes a target, to a WriteError."""
+    try:
+        yield
+    except WriteError:
+        raise
+    except Exception as error:
+        raise WriteError(sentence(error, target, verb)) from error
+
+
+def check_target(name: str, shown: PathLike, replace: bool, directory: int | None = None) -> None:
+    """
+    Raise WriteError unless a name is free or, with replace, that of a regular file.
+
+    The name is relative to the descriptor of a directory, if there is one; links are not followed.
+    """
+    with guard(shown):
+        try:
+            mode = os.stat(name, dir_fd=directory, follow_symlinks=False).st_mode
+        except FileNotFoundError:
+            return
+        if not stat.S_ISREG(mode):
+            raise WriteError(f'cannot write {printable(shown)}: it is '
+                             f'{KINDS.get(stat.S_IFMT(mode), "no file")}, and only regular files '
+                             'are written')
+        if not replace:
+            raise TargetExists(shown)
+
+
+def split_target(path: PathLike) -> tuple[str, str]:
+    """
+    Return the directory and the name of a target; WriteError if there can be no file.
+
+    A new file among the devices would take the name of one that is unplugged.
+    """
+    parent, name = os.path.split(os.fspath(path))
+    if name in ('', os.curdir, os.pardir):
+        raise WriteError(f'cannot write {printable(path)}: it is a directory: name a file in it'
+                         if parent or name else 'cannot write a file without a name')
+    parent = parent or os.curdir
+    with guard(path):
+        where = os.path.join(os.path.realpath(parent), '')
+    among_devices = where.startswith('/dev/') and not where.startswith(SHARED_MEMORY)
+    if among_devices and not os.path.lexists(path):
+        raise WriteError(f'cannot write {printable(path)}: /dev is for devices: name a file '
+                         'elsewhere')
+    return parent, name
+
+
+def named_target(path: PathLike) -> tuple[str, str]:
+    """
+    Return the directory and the name of a target that the user named; WriteError if it has none.
+
+    A symbolic link is followed to the file it leads to.
+    """
+    with guard(path):
+        if not os.path.islink(path):
+            return split_target(path)
+        try:
+            return split_target(os.path.realpath(path, strict=True))
+        except FileNotFoundError as error:
+            raise WriteError(f'cannot write {printable(path)}: it is a symbolic link to a file '
+                             'that does not exist') from error
+
+
+def temporary_name() -> str:
+    """Return a name that nobody else uses, hidden, and short on every file system."""
+    return f'.bahrs_{secrets.token_hex(8)}.partial'
+
+
+def sentence(error: Exception, target: PathLike, verb: str = 'write') -> str:
+    """Return the sentence for an exception that was raised while a target was written."""
+    if isinstance(error, WriteError):
+        return str(error)
+    return f'cannot {verb} {printable(target)}: {reason(error)}'
+
+
+def reason(error: Exception) -> str:
+    """Return why something could not be written, with the remedy."""
+    if isinstance(error, OSError):
+        remedy = REMEDIES.get(error.errno or 0)
+        return printable(error.strerror or error) + (f': {remedy}' if remedy else '')
+    if isinstance(error, UnicodeError):
+        return 'the name is not valid text: choose another'
+    return printable(error)

@@ -1,0 +1,52 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Text files that others read while they are written."""
+
+import os
+import stat
+
+from bahrs_driver.files.guard import (
+    check_target, guard, named_target, PathLike, TargetExists, WriteError,
+)
+from bahrs_driver.printable import printable
+
+# Whoever puts a FIFO where a file was a moment ago must not block us.
+_HOW = os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
+_MODE = 0o666               # less what the umask takes
+
+
+class LiveFile:
+    """A regular file that grows under its name. WriteError says why it cannot."""
+
+    def __init__(self, path: PathLike, replace: bool = False) -> None:
+        """Create the file; with replace, empty one that exists. A link to a file is followed."""
+        self._path = path
+        directory, name = named_target(path)
+        target = os.path.join(directory, name)
+        check_target(target, path, replace)
+        with guard(path):
+            try:
+                descriptor = os.open(target, _HOW | (0 if replace else os.O_EXCL), _MODE)
+            except FileExistsError as error:
+                raise TargetExists(path) from error
+            self._file = os.fdopen(descriptor, 'w', encoding='utf-8')
+            if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+                self._file.close()
+                raise WriteError(f'cannot write {printable(path)}: it is not a regular file any '
+                                 'more')
+            os.ftruncate(descriptor, 0)
+
+    def write(self, text: str) -> None:
+        """Append a text."""
+        with guard(self._path):
+            self._file.write(text)
+
+    def flush(self) -> None:
+        """Let others see what was written."""
+        with guard(self._path):
+            self._file.flush()
+
+    def close(self) -> None:
+        """Write the rest, and close."""
+        with guard(self._path):
+            self._file.close()

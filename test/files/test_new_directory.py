@@ -1,0 +1,95 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of directories that appear complete or not at all."""
+
+import stat
+
+from bahrs_driver.files.guard import TargetExists, WriteError
+from bahrs_driver.files.new_directory import new_directory
+import pytest
+from targets import IMPOSSIBLE, link_to, NOT_REGULAR, REGULAR, snapshot, umask, unprivileged
+
+EVERY_KIND = {**REGULAR, **NOT_REGULAR, 'empty directory': lambda path: path.mkdir()}
+EVERY_KIND |= {f'link to {name}': link_to(make) for name, make in EVERY_KIND.items()}
+
+
+def fill(folder):
+    """Make a directory with a file in it."""
+    folder.mkdir()
+    (folder / 'file').write_bytes(b'new')
+
+
+@pytest.mark.parametrize('name', ['out', 'missing/parents/out', 'out/', 'x' * 255])
+def test_it_appears_at_the_end_of_the_block(tmp_path, name):
+    """Complete, with its parents, and with nothing beside it."""
+    target = tmp_path / name
+    with umask(0o027):
+        with new_directory(f'{tmp_path}/{name}') as folder:
+            fill(folder)
+            assert not target.exists()
+    assert [path for path in tmp_path.rglob('*') if path.is_file()] == [target / 'file']
+    assert not list(tmp_path.rglob('.*'))
+    assert stat.S_IMODE(target.stat().st_mode) == 0o750
+
+
+def test_nothing_remains_of_a_block_that_raises(tmp_path):
+    """What others have put there stays, whatever it is called."""
+    (tmp_path / '.out.partial').mkdir()
+    (tmp_path / '.out.partial' / 'kept').touch()
+    before = snapshot(tmp_path)
+    for error in (ValueError, KeyboardInterrupt):
+        with pytest.raises(error), new_directory(tmp_path / 'out') as folder:
+            fill(folder)
+            raise error
+    assert snapshot(tmp_path) == before
+
+
+@pytest.mark.parametrize('kind', EVERY_KIND)
+def test_what_exists_is_left_alone(tmp_path, kind):
+    """Before the block and when it has come meanwhile; an empty directory, too."""
+    target = tmp_path / 'out'
+    EVERY_KIND[kind](target)
+    before = snapshot(tmp_path)
+    with pytest.raises(TargetExists, match='exists already'), new_directory(target):
+        raise AssertionError('the work was begun')
+    assert snapshot(tmp_path) == before
+
+    later = tmp_path / 'later'
+    with pytest.raises(TargetExists), new_directory(later) as folder:
+        fill(folder)
+        EVERY_KIND[kind](later)
+        before = {name: item for name, item in snapshot(tmp_path).items()
+                  if b'.partial' not in name}
+    assert snapshot(tmp_path) == before
+
+
+def test_two_at_once(tmp_path):
+    """The first that is ready has its files; the other is refused, and takes nothing away."""
+    with pytest.raises(TargetExists), new_directory(tmp_path / 'out') as slow:
+        fill(slow)
+        with new_directory(tmp_path / 'out') as fast:
+            fill(fast)
+            assert slow != fast
+    assert (tmp_path / 'out' / 'file').exists() and not list(tmp_path.glob('.*'))
+
+
+@pytest.mark.parametrize('kind', set(IMPOSSIBLE) - {'missing parent', 'trailing slash'})
+def test_paths_that_cannot_be_made(tmp_path, kind, monkeypatch):
+    """A sentence names the path, before the work begins or when the name is given."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / 'file').touch()
+    before = snapshot(tmp_path)
+    with pytest.raises(WriteError), new_directory(IMPOSSIBLE[kind]) as folder:
+        fill(folder)
+    assert snapshot(tmp_path) == before
+
+
+def test_a_directory_that_may_not_be_written_into(tmp_path_factory):
+    """Found out before the work begins."""
+    top = tmp_path_factory.mktemp('closed')
+    for path in (top, top.parent, top.parent.parent):
+        path.chmod(0o755)
+    top.chmod(0o555)
+    with unprivileged(), pytest.raises(WriteError, match='Permission denied'), \
+            new_directory(top / 'out'):
+        raise AssertionError('the work was begun')
