@@ -8,7 +8,6 @@ import contextlib
 from itertools import chain, count
 import json
 import math
-import signal
 import sys
 import time
 
@@ -16,7 +15,7 @@ from bahrs_driver.cli.arguments import positive
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.node_options import add_node_options, selected_node, several_nodes
 from bahrs_driver.cli.ros import ros_session
-from bahrs_driver.cli.signals import ENDING, heeded
+from bahrs_driver.cli.signals import shutdown_on_signal
 from bahrs_driver.fault_log import FaultLog
 from bahrs_driver.printable import printable
 from bahrs_driver.recording.bag_output import BagWriter, ExistingFolderError
@@ -71,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
     selection = selected_node(options)
     failure = ''
     faults = FaultLog(lambda text: print(f'bahrs record: {text}', file=sys.stderr), str)
-    with _ending() as ended, ros_session(options) as keep:
+    with shutdown_on_signal() as ended, ros_session(options) as keep:
         bag = _new_bag(options.output)
         with start_errors(options.ros_arguments):
             recorder = keep(Recorder(
@@ -187,18 +186,3 @@ def _complaints(recorder: Recorder) -> Iterator[str]:
         yield f'{recorder.lost} messages were published and did not come: the machine is too busy'
     yield from recorder.clock_steps
     yield from recorder.notes
-
-
-@contextlib.contextmanager
-def _ending() -> Iterator[ShutdownEvent]:
-    """Let signals set an event, so that they interrupt no write."""
-    ended = ShutdownEvent()
-    kinds = heeded(ENDING)
-    before = {kind: signal.getsignal(kind) for kind in kinds}
-    ended.install_signal_handlers()
-    try:
-        yield ended
-    finally:
-        signal.set_wakeup_fd(-1)
-        for kind, handler in before.items():
-            signal.signal(kind, handler)

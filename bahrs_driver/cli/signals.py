@@ -8,8 +8,11 @@ leaves an ignored signal so. Whoever sends one to a verb wants its end, so handl
 whatever was inherited. Only a hang-up that is ignored stays so: nohup does that on purpose.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+import contextlib
 import signal
+
+from bahrs_driver.shutdown_event import ignore_signals, ShutdownEvent
 
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -24,3 +27,24 @@ def interrupt_on_signals() -> None:
     """Let each signal that ends a verb raise KeyboardInterrupt, so that all tidy up alike."""
     for kind in heeded(ENDING):
         signal.signal(kind, signal.default_int_handler)
+
+
+@contextlib.contextmanager
+def shutdown_on_signal() -> Iterator[ShutdownEvent]:
+    """
+    Let signals set an event for the length of a block, so that they interrupt nothing.
+
+    Once it is set the program ends, and further signals are ignored.
+    """
+    event = ShutdownEvent()
+    before = {kind: signal.getsignal(kind) for kind in heeded(ENDING)}
+    event.install_signal_handlers()
+    try:
+        yield event
+    finally:
+        signal.set_wakeup_fd(-1)
+        if event.is_set():
+            ignore_signals()
+        else:
+            for kind, handler in before.items():
+                signal.signal(kind, handler)
