@@ -1,41 +1,54 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Carries an NVM session out on a link that somebody else reads.
+Carries an NVM session out on a link that another thread reads.
 
-Whoever wants pages waits in read(); the receiver's thread hands over what the device says; any
-thread may cancel. One session runs at a time.
+The thread that wants pages waits in read(); the receiver's thread hands over the device's
+messages; any thread may cancel. One session runs at a time, and each one ends: the session has a
+time limit, a write has one, and end() has one of its own.
 """
 
 from collections.abc import Callable, Sequence
 import threading
 import time
-from typing import Any
+from typing import Any, NamedTuple
 
 from bahrs_driver.link import Link, LinkError
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.nvm import NvmSession, PAGES, ServiceFrames, State
 
-LEAVE_TIME = 10.0       # s, far more than a session takes to leave
-LOSS_TIME = 3.0         # s, far more than its reader takes to tell why a link is lost
+LEAVE_TIME = 0.3        # s that the end of the program waits for the device to leave
+LOSS_TIME = 3.0         # s, far more than the receiver takes to find out why a link is lost
+
+OnPage = Callable[[int, bytes], None]
+OnProgress = Callable[[NvmSession], None]
 
 
 class NvmError(Exception):
     """The pages could not be read. The text says why, and what to do."""
 
 
+class SessionOptions(NamedTuple):
+    """How the device is asked, as the parameters nvm.* say."""
+
+    enter_timeout: float = 30.0
+    service_frames: ServiceFrames = 'auto'
+
+
+def _ignore(*_: object) -> None:
+    """Do nothing."""
+
+
 class NvmReader:
     """Reads pages of the non-volatile memory, one request of a user at a time."""
 
-    def __init__(self, link: Link, version: Callable[[], int | None],
-                 enter_timeout: float = 30.0, service_frames: ServiceFrames = 'auto') -> None:
-        """Take the link, what tells the device's protocol version, and how to ask."""
+    def __init__(self, link: Link, version: Callable[[], int | None]) -> None:
+        """Take the link, and a callable that returns the device's protocol version, if known."""
         self._link = link
         self._version = version
-        self._enter_timeout = enter_timeout
-        self._service_frames = service_frames
         self._changed = threading.Condition()
         self._session: NvmSession | None = None
+        self._ended = ''            # why no session may begin any more
 
     @property
     def busy(self) -> bool:
@@ -53,20 +66,24 @@ class NvmReader:
         return str(session.state.value)
 
     def read(self, pages: Sequence[int] = range(PAGES),
-             tell: Callable[[NvmSession], None] = lambda session: None) -> dict[int, bytes]:
+             options: SessionOptions = SessionOptions(), on_page: OnPage = _ignore,
+             on_progress: OnProgress = _ignore) -> dict[int, bytes]:
         """
         Return the pages by number; NvmError if not all of them could be read.
 
-        tell is called now and then with the session, to show how far it is.
+        on_page is called with number and data of each page as soon as it was read, on_progress now
+        and then with the session, both in the thread that called read().
         """
         with self._changed:
+            if self._ended:
+                raise NvmError(self._ended)
             if self._session is not None:
                 raise NvmError('another NVM request is under way: wait for it, or cancel it')
             session = self._session = NvmSession(
-                pages, time.monotonic(), self._enter_timeout, self._version(),
-                self._service_frames)
+                pages, time.monotonic(), options.enter_timeout, self._version(),
+                options.service_frames)
         try:
-            self._carry_out(session, tell)
+            self._carry_out(session, on_page, on_progress)
         finally:
             with self._changed:
                 self._session = None
@@ -76,7 +93,7 @@ class NvmReader:
         return session.pages
 
     def receive(self, message: Any, frame: Frame) -> None:
-        """Take what the device said."""
+        """Hand a message of the device to the session, if there is one."""
         if self._session is None:
             return
         with self._changed:
@@ -85,7 +102,7 @@ class NvmReader:
                 self._changed.notify_all()
 
     def cancel(self, reason: str = 'cancelled') -> bool:
-        """End the session, after the device was told to leave; False if there is none."""
+        """Make the session leave diagnostics mode and end; False if there is none."""
         with self._changed:
             if self._session is None:
                 return False
@@ -93,41 +110,63 @@ class NvmReader:
             self._changed.notify_all()
             return True
 
-    def end(self, reason: str) -> None:
-        """Cancel, and return once the device was told to leave: the port may be closed then."""
+    def end(self, reason: str, timeout: float = LEAVE_TIME) -> None:
+        """
+        Cancel the session and let none begin; return once the device has left its mode.
+
+        After a timeout in seconds the device is left to itself; the port may be closed then.
+        """
+        self._ended = reason
         self.cancel(reason)
         with self._changed:
-            self._changed.wait_for(lambda: self._session is None, LEAVE_TIME)
+            if not self._changed.wait_for(lambda: self._session is None, timeout):
+                self._abandon(reason)
 
     def lost(self, reason: str) -> None:
-        """Take note that the link is gone; the device leaves diagnostics mode by itself."""
+        """End the session: the link is gone, and the device leaves diagnostics mode alone."""
         with self._changed:
-            if self._session is not None:
-                self._session.abandon(reason)
-                self._changed.notify_all()
+            self._abandon(reason)
 
-    def _carry_out(self, session: NvmSession, tell: Callable[[NvmSession], None]) -> None:
+    def _abandon(self, reason: str) -> None:
+        if self._session is not None:
+            self._session.abandon(reason)
+            self._changed.notify_all()
+
+    def _carry_out(self, session: NvmSession, on_page: OnPage, on_progress: OnProgress) -> None:
         try:
-            self._converse(session, tell)
+            self._converse(session, on_page, on_progress)
         except BaseException:
             # Ctrl-C, too: the device must not be left alone in its mode.
-            session.cancel('interrupted', time.monotonic())
-            self._converse(session, lambda _: None)
+            with self._changed:
+                session.cancel('interrupted', time.monotonic())
+            self._converse(session, _ignore, _ignore)
             raise
 
-    def _converse(self, session: NvmSession, tell: Callable[[NvmSession], None]) -> None:
-        with self._changed:
-            while session.state is not State.FINISHED:
+    def _converse(self, session: NvmSession, on_page: OnPage, on_progress: OnProgress) -> None:
+        # Without the lock whenever something else may take its time, which must not hold up the
+        # thread that reads the link.
+        handed_over = 0
+        while True:
+            with self._changed:
                 data = session.send(time.monotonic())
-                if data:
-                    self._write(session, data)
-                tell(session)
-                self._changed.wait(max(0.0, session.due - time.monotonic()))
+                pages = list(session.pages.items())
+            if data:
+                self._write(session, data)
+            for number, page in pages[handed_over:]:
+                on_page(number, page)
+            handed_over = len(pages)
+            on_progress(session)
+            with self._changed:
+                if session.state is State.FINISHED and len(session.pages) == handed_over:
+                    return
+                if len(session.pages) == handed_over:
+                    self._changed.wait(max(0.0, session.due - time.monotonic()))
 
     def _write(self, session: NvmSession, data: bytes) -> None:
         try:
             self._link.write(data)
         except LinkError as error:
-            # The reader of a link that is lost knows why, and what to do; it may be a bit later.
-            self._changed.wait_for(lambda: session.state is State.FINISHED, LOSS_TIME)
-            session.abandon(str(error))
+            # The receiver of a lost link knows why, and what to do; it may be a bit later.
+            with self._changed:
+                self._changed.wait_for(lambda: session.state is State.FINISHED, LOSS_TIME)
+                session.abandon(str(error))

@@ -3,23 +3,27 @@
 """
 The services that read the non-volatile memory: ~/nvm/read_page, ~/nvm/dump, ~/nvm/cancel.
 
-They are std_srvs/Trigger; what they answer is JSON. A session takes seconds, so they stand in
-a callback group of their own, each call in a thread of the executor, and nothing else waits.
+They are std_srvs/Trigger, and answer JSON. A session takes seconds, so they have a callback group
+of their own, each call runs in a thread of the executor, and nothing else waits. The parameters
+nvm.* are read at each call.
 """
 
+from collections.abc import Callable, Iterable
 import hashlib
 import json
-from pathlib import Path
 from typing import Any
 
 from bahrs_driver.convert import nvm_page
-from bahrs_driver.nvm_reader import NvmError, NvmReader
+from bahrs_driver.files.guard import WriteError
+from bahrs_driver.nvm_dump import dump_file
+from bahrs_driver.nvm_reader import NvmError, NvmReader, SessionOptions
 from bahrs_driver.protocol.nvm import PAGES
-from bahrs_driver.whole_file import check_target, write_whole
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from std_msgs.msg import UInt8MultiArray
 from std_srvs.srv import Trigger
+
+Answer = dict[str, Any]
 
 
 class NvmServices:
@@ -31,44 +35,56 @@ class NvmServices:
         self._reader = reader
         self._pages = node.create_publisher(UInt8MultiArray, nvm_page.TOPIC, PAGES)
         group = ReentrantCallbackGroup()
-        for name, callback in (('read_page', self._read_page), ('dump', self._dump),
-                               ('cancel', self._cancel)):
-            node.create_service(Trigger, f'~/nvm/{name}', callback, callback_group=group)
+        for name, action in (('read_page', self._read_page), ('dump', self._dump),
+                             ('cancel', self._cancel)):
+            node.create_service(Trigger, f'~/nvm/{name}', self._answering(action),
+                                callback_group=group)
 
-    def _read_page(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        page = self._node.get_parameter('nvm.page').value
+    def _answering(self, action: Callable[[], Answer]
+                   ) -> Callable[[Trigger.Request, Trigger.Response], Trigger.Response]:
+        """Return the callback of a service that answers whatever the action raises."""
+        def callback(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+            try:
+                content = action()
+            except (NvmError, WriteError) as error:
+                content = {'error': str(error)}
+            except Exception as error:
+                self._node.get_logger().error(f'an NVM service failed: {error!r}')
+                content = {'error': f'the request failed: {error!r}'}
+            response.success = 'error' not in content
+            response.message = json.dumps(content)
+            return response
+        return callback
+
+    def _read_page(self) -> Answer:
+        page = self._value('nvm.page')
         try:
-            data = self._read([page])
+            return {'page': page, 'data': self._read([page]).hex()}
         except NvmError as error:
-            return _answer(response, error=str(error), page=page)
-        return _answer(response, page=page, data=data.hex())
+            return {'error': str(error), 'page': page}
 
-    def _dump(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        path = Path(self._node.get_parameter('nvm.dump_path').value).expanduser()
-        try:
-            check_target(path)                  # told before the stream is stopped for it
+    def _dump(self) -> Answer:
+        # The file first: what is wrong with it is found out before the stream is stopped.
+        with dump_file(self._value('nvm.directory'), self._value('nvm.dump_path')) as (path, file):
             image = self._read(range(PAGES))
-            write_whole(path, image)
-        except (NvmError, ValueError) as error:
-            return _answer(response, error=str(error))
-        except OSError as error:
-            return _answer(response, error=f'cannot write {path}: {error.strerror}')
-        return _answer(response, path=str(path), bytes=len(image),
-                       sha256=hashlib.sha256(image).hexdigest())
+            file.write(image)
+            file.commit()
+        return {'path': path, 'bytes': len(image), 'sha256': hashlib.sha256(image).hexdigest()}
 
-    def _cancel(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def _cancel(self) -> Answer:
         if self._reader.cancel():
-            return _answer(response, cancelled=True)
-        return _answer(response, error='no NVM request is under way')
+            return {'cancelled': True}
+        return {'error': 'no NVM request is under way'}
 
-    def _read(self, wanted: Any) -> bytes:
-        pages = self._reader.read(wanted)
-        for data in pages.values():
-            self._pages.publish(nvm_page.message(data))
+    def _read(self, wanted: Iterable[int]) -> bytes:
+        wanted = list(wanted)
+        options = SessionOptions(self._value('nvm.enter_timeout'),
+                                 self._value('nvm.service_frames'))
+        pages = self._reader.read(wanted, options, self._publish)
         return b''.join(pages[number] for number in wanted)
 
+    def _publish(self, number: int, page: bytes) -> None:
+        self._pages.publish(nvm_page.message(number, page))
 
-def _answer(response: Trigger.Response, **content: Any) -> Trigger.Response:
-    response.success = 'error' not in content
-    response.message = json.dumps(content)
-    return response
+    def _value(self, name: str) -> Any:
+        return self._node.get_parameter(name).value

@@ -186,16 +186,21 @@ PARAMETERS = (
               choices=('auto', 'word', 'byte'), sensor=BAHRS),
     Parameter('nvm.page', 0, 'Page that the service ~/nvm/read_page reads.', low=0, high=249,
               read_only=False, sensor=BAHRS),
-    Parameter('nvm.dump_path', '~/bahrs_nvm.bin', 'File that the service ~/nvm/dump writes.',
-              read_only=False, sensor=BAHRS),
+    Parameter('nvm.directory', '~/bahrs_nvm',
+              'Directory that the service ~/nvm/dump may write into; made when missing.',
+              sensor=BAHRS),
+    Parameter('nvm.dump_path', 'bahrs_nvm.bin',
+              'File that the service ~/nvm/dump writes or replaces: relative to nvm.directory, or '
+              'absolute inside it.', read_only=False, sensor=BAHRS),
     Parameter('nvm.enter_timeout', 30.0,
               'How long to ask the device to enter diagnostics mode. Many do so only within 0.5 s '
               'of power-on: call the service, then switch the device off and on.', 's',
-              low=1.0, high=600.0, sensor=BAHRS),
+              low=1.0, high=600.0, read_only=False, sensor=BAHRS),
     Parameter('nvm.service_frames', 'auto',
               'Checksum and padding of what is sent to the device: auto tries all, those of the '
               "maker's tool (crc32) first, then those of the document (mpeg2_padded).",
-              choices=('auto', 'crc32', 'mpeg2', 'crc32_padded', 'mpeg2_padded'), sensor=BAHRS),
+              choices=('auto', 'crc32', 'mpeg2', 'crc32_padded', 'mpeg2_padded'),
+              read_only=False, sensor=BAHRS),
 )
 
 

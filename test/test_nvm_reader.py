@@ -12,7 +12,7 @@ import tracemalloc
 from bahrs_driver import nvm_reader
 from bahrs_driver.emulator.bahrs_diagnostics import DiagnosticsMode, ServiceHabits
 from bahrs_driver.link import LinkError
-from bahrs_driver.nvm_reader import NvmError, NvmReader
+from bahrs_driver.nvm_reader import NvmError, NvmReader, SessionOptions
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec
 from bahrs_driver.protocol.framing import Frame
 from processes import wait_for
@@ -20,6 +20,7 @@ import pytest
 
 IMAGE = bytes(index * 13 % 256 for index in range(8000))
 LONG = 60.0             # s, for what should be at once
+PATIENT = SessionOptions(enter_timeout=LONG)
 
 
 class Device:
@@ -31,7 +32,7 @@ class Device:
         self._codec = BahrsCodec()
         self._answers = queue.Queue()
         self._receiver = threading.Thread(target=self._receive)
-        self.reader = NvmReader(self, lambda: 3, enter_timeout=LONG)
+        self.reader = NvmReader(self, lambda: 3)
         self.silent = False
         self.broken = False
 
@@ -82,7 +83,7 @@ def in_background():
 
         def work():
             try:
-                result['pages'] = device.reader.read()
+                result['pages'] = device.reader.read(options=PATIENT)
             except NvmError as error:
                 result['error'] = str(error)
         threads.append(threading.Thread(target=work))
@@ -100,6 +101,85 @@ def test_pages(made):
     device = made()
     assert device.reader.read([3, 249]) == {3: IMAGE[96:128], 249: IMAGE[-32:]}
     assert not device.active and not device.reader.busy
+
+
+def test_each_page_is_handed_over_as_it_is_read(made):
+    """In order, and those before a failure, too."""
+    device, pages, progress = made(error_pages=frozenset({3})), [], []
+    with pytest.raises(NvmError, match='cannot read page 3'):
+        device.reader.read(range(5), on_page=lambda *page: pages.append(page),
+                           on_progress=lambda session: progress.append(len(pages)))
+    assert pages == [(number, IMAGE[32 * number:32 * number + 32]) for number in range(3)]
+    assert {1, 2} & set(progress), 'the first were handed over when all had been read'
+
+
+def test_a_page_that_cannot_be_handed_over_ends_the_session(made):
+    """The device is made to leave, and the reason goes on to who asked."""
+    device = made()
+
+    def fail(*_):
+        raise ValueError('no longer')
+
+    with pytest.raises(ValueError, match='no longer'):
+        device.reader.read([0, 1], on_page=fail)
+    assert not device.active and not device.reader.busy
+
+
+def test_the_receiver_is_never_held_up(made, in_background):
+    """Neither by a link that takes its time nor by what is done with pages."""
+    device, entered, go_on = made(), threading.Event(), threading.Event()
+
+    def wait(*_):
+        entered.set()
+        go_on.wait(LONG)
+
+    reading = threading.Thread(target=lambda: device.reader.read([0], on_page=wait))
+    reading.start()
+    assert entered.wait(LONG)
+    receiver = threading.Thread(target=lambda: device.reader.receive(None, Frame(0, b'', '')))
+    receiver.start()
+    receiver.join(LONG)
+    assert not receiver.is_alive()
+    go_on.set()
+    reading.join()
+
+    device, entered, go_on = made(), threading.Event(), threading.Event()
+    device.write = wait
+    _, reading = in_background(device)
+    assert entered.wait(LONG)
+    receiver = threading.Thread(target=lambda: device.reader.receive(None, Frame(0, b'', '')))
+    receiver.start()
+    receiver.join(LONG)
+    assert not receiver.is_alive()
+    device.reader.end('over', 0.0)
+    go_on.set()
+    reading.join()
+
+
+def test_the_end_waits_for_the_device_to_leave(made, in_background):
+    """Whoever waits is told; nobody may begin after it."""
+    device = made()
+    result, thread = in_background(device)
+    assert wait_for(lambda: device.active)
+    device.reader.end('the driver is ending', LONG)
+    assert not device.active and not device.reader.busy
+    thread.join()
+    assert result == {'error': 'the driver is ending'}
+    with pytest.raises(NvmError, match='the driver is ending'):
+        device.reader.read([0])
+
+
+def test_the_end_does_not_wait_for_a_device_that_says_nothing(made, in_background):
+    """Nor for a link that takes nothing."""
+    for link in ('silent', 'broken'):
+        device = made()
+        setattr(device, link, True)
+        result, thread = in_background(device)
+        begin = time.monotonic()
+        device.reader.end('the driver is ending')
+        thread.join()
+        assert time.monotonic() - begin < nvm_reader.LOSS_TIME
+        assert result == {'error': 'the driver is ending'}
 
 
 def test_failure_has_its_reason(made):
@@ -163,7 +243,7 @@ def test_an_exception_does_not_leave_the_device_in_its_mode(made):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        device.reader.read(range(250), interrupt)
+        device.reader.read(on_progress=interrupt)
     assert not device.active and not device.reader.busy
 
 

@@ -20,7 +20,8 @@ def test_every_row_is_complete(parameter):
     parameter.convert(parameter.default)
     descriptor = parameter.descriptor()
     assert parameter.description in descriptor.description
-    assert descriptor.read_only == (parameter.name not in ('nvm.page', 'nvm.dump_path'))
+    assert descriptor.read_only == (parameter.name not in (
+        'nvm.page', 'nvm.dump_path', 'nvm.enter_timeout', 'nvm.service_frames'))
     if isinstance(parameter.default, float):
         assert descriptor.floating_point_range[0].to_value == parameter.high
     for choice in parameter.choices:

@@ -4,31 +4,36 @@
 
 import argparse
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 import contextlib
 from dataclasses import asdict, fields
 import hashlib
 import json
 import math
-from pathlib import Path
 import sys
 import threading
 from typing import Any
 
+from bahrs_driver.cli.arguments import a_number
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.files import binary_input
+from bahrs_driver.cli.outputs import add_force, is_standard_output, output_file
 from bahrs_driver.cli.progress import progress_bar
+from bahrs_driver.cli.signals import shutdown_on_signal
 from bahrs_driver.clock import ArrivalStamps
 from bahrs_driver.fault_log import FaultLog
 from bahrs_driver.link import Link, Reading
-from bahrs_driver.nvm_reader import NvmError, NvmReader
+from bahrs_driver.nvm_reader import NvmError, NvmReader, OnProgress, SessionOptions
+from bahrs_driver.printable import printable
 from bahrs_driver.protocol.bahrs import Inertial
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.nvm import NvmSession, PAGE_SIZE, PAGES, State, VARIANTS
 from bahrs_driver.protocol.nvm_image import Assertions, Found, KNOWN_FORMAT, parse
 from bahrs_driver.receiver import Received, Receiver
-from bahrs_driver.whole_file import check_target, write_whole
 
+LONGEST_ENTER = 600     # s
+OPEN_TIME = 30.0        # s until the port is open, or the reason is known why it is not
 LISTEN_TIME = 3.0       # s in which a device that streams, or just starts, is heard
 ERASED = '\xff'         # what memory is full of where nobody has written
 
@@ -48,13 +53,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     read = actions.add_parser('read', help='print one page in hexadecimal')
     read.add_argument('page', type=int, help=f'number of the page, 0 to {PAGES - 1}')
     dump = actions.add_parser('dump', help='write all pages into a file')
-    dump.add_argument('file', help='file to write, whole or not at all')
+    dump.add_argument('file', help='file to write, complete or not at all; - is standard output')
+    add_force(dump)
     for action in (read, dump):
         action.add_argument('--port', default='/dev/ttyUSB0',
                             help='path or pyserial URL (default: %(default)s)')
         action.add_argument('--baud-rate', type=int, default=115200, metavar='BAUD',
                             help='(default: %(default)s)')
-        action.add_argument('--enter-timeout', type=float, default=30.0, metavar='SECONDS',
+        action.add_argument('--enter-timeout', type=a_number('a time-out', 0, LONGEST_ENTER),
+                            default=30.0, metavar='SECONDS',
                             help='how long to ask the device to enter diagnostics mode '
                                  '(default: %(default)s)')
         action.add_argument('--service-frames', choices=('auto', *VARIANTS), default='auto',
@@ -83,21 +90,16 @@ def _read(options: argparse.Namespace) -> int:
 
 
 def _dump(options: argparse.Namespace) -> int:
-    path = Path(options.file)
-    try:
-        check_target(path)
-    except ValueError as error:
-        raise CommandError(str(error)) from error
-    image = _pages(options, range(PAGES))
-    try:
-        write_whole(path, image)
-    except OSError as error:
-        raise CommandError(f'cannot write {path}: {error.strerror}') from error
+    # The file first: what is wrong with it is found out before the stream is stopped.
+    with output_file(options.file, options.force) as file:
+        image = _pages(options, range(PAGES))
+        file.write(image)
     digest = hashlib.sha256(image).hexdigest()
+    out = sys.stderr if is_standard_output(options.file) else sys.stdout
     if options.json:
-        print(json.dumps({'path': str(path), 'size': len(image), 'sha256': digest}))
+        print(json.dumps({'path': options.file, 'size': len(image), 'sha256': digest}), file=out)
     else:
-        print(f'{path}: {len(image):,} bytes, SHA-256 {digest}')
+        print(f'{printable(options.file)}: {len(image):,} bytes, SHA-256 {digest}', file=out)
     return 0
 
 
@@ -105,14 +107,30 @@ def _pages(options: argparse.Namespace, wanted: Sequence[int]) -> bytes:
     with _device(options) as device:
         if device.streams(LISTEN_TIME) and not options.yes:
             _ask()
+        with progress_bar() as progress:
+            task = progress.add_task('', total=1.0)
+            pages = _read_until_signal(
+                device.reader, wanted,
+                SessionOptions(options.enter_timeout, options.service_frames),
+                lambda session: progress.update(task, completed=session.progress,
+                                                description=_description(session)))
+    return b''.join(pages[number] for number in wanted)
+
+
+def _read_until_signal(reader: NvmReader, wanted: Sequence[int], options: SessionOptions,
+                       on_progress: OnProgress) -> dict[int, bytes]:
+    """Return pages; at a signal leave the device's diagnostics mode, then KeyboardInterrupt."""
+    with shutdown_on_signal() as ended, ThreadPoolExecutor(1) as pool:
+        pages = pool.submit(reader.read, wanted, options, on_progress=on_progress)
+        pages.add_done_callback(lambda _: ended.set())
+        ended.wait()
+        if not pages.done():
+            reader.end('interrupted')
+            raise KeyboardInterrupt
         try:
-            with progress_bar() as progress:
-                task = progress.add_task('', total=1.0)
-                pages = device.reader.read(wanted, lambda session: progress.update(
-                    task, completed=session.progress, description=_description(session)))
+            return pages.result()
         except NvmError as error:
             raise CommandError(str(error)) from error
-    return b''.join(pages[number] for number in wanted)
 
 
 def _description(session: NvmSession) -> str:
@@ -137,8 +155,8 @@ class Device:
         """Make the parts."""
         frame_format = BahrsFormat()
         self.failure = ''
-        self.reader = NvmReader(link, lambda: frame_format.version_seen, options.enter_timeout,
-                                options.service_frames)
+        self._port = options.port
+        self.reader = NvmReader(link, lambda: frame_format.version_seen)
         self.receiver = Receiver(link, Framer(frame_format), BahrsCodec(), ArrivalStamps(),
                                  self, FaultLog(_complain, str))
         self._opened = threading.Event()
@@ -146,7 +164,9 @@ class Device:
 
     def streams(self, timeout: float) -> bool:
         """Wait for a port that works (CommandError), and return whether data comes."""
-        self._opened.wait()
+        if not self._opened.wait(OPEN_TIME):
+            raise CommandError(f'{printable(self._port)} could not be opened within '
+                               f'{OPEN_TIME:g} s: is another program or the network at fault?')
         if self.failure:
             raise CommandError(self.failure)
         return self._streams.wait(timeout)

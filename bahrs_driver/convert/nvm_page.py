@@ -1,12 +1,18 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pages of the non-volatile memory on a topic."""
+"""
+Pages of the non-volatile memory on a topic.
 
+A std_msgs/UInt8MultiArray has no header. The label of its only dimension has the number of the
+page, such as page=7, and its size is that of the page.
+"""
+
+from bahrs_driver.convert import raw
 from std_msgs.msg import UInt8MultiArray
 
 TOPIC = 'nvm/page'
 
 
-def message(page: bytes) -> UInt8MultiArray:
+def message(number: int, page: bytes) -> UInt8MultiArray:
     """Return the message that carries a page."""
-    return UInt8MultiArray(data=page)
+    return raw.message(page, f'page={number}')

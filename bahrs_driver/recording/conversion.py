@@ -113,7 +113,7 @@ class Conversion:
             self._take(converter.convert(message, stamp_ns), stamp_ns - moment.offset,
                        health.counts)
             if isinstance(message, NvmPage):
-                self._hold(now, nvm_page.TOPIC, nvm_page.message(message.data))
+                self._hold(now, nvm_page.TOPIC, nvm_page.message(message.page, message.data))
         if lost:
             self._take(converter.lost(moment.ros_ns), now, health.counts)
         self._tell(health.after(chunk, moment, batch))

@@ -26,8 +26,7 @@ def bahrs(settings: Mapping[str, Any], link: Link) -> Sensor:
     """Return the parts for a BAHRS on a link."""
     frame_format = BahrsFormat(settings['crc_order'])
     converter = BahrsConverter(_options(settings))
-    nvm = NvmReader(link, lambda: frame_format.version_seen, settings['nvm.enter_timeout'],
-                    settings['nvm.service_frames'])
+    nvm = NvmReader(link, lambda: frame_format.version_seen)
     silence_timeout = settings['diagnostics.silence_timeout']
     health = BahrsHealth(converter.signals, settings['diagnostics.rate_tolerance'],
                          silence_timeout, lambda: nvm.status)

@@ -2,20 +2,31 @@
 # SPDX-License-Identifier: Apache-2.0
 """The services that read the memory, on the node and the emulator as processes."""
 
+import contextlib
 import hashlib
 import json
+import os
 from pathlib import Path
+import pty
 import signal
+import subprocess
+import threading
+import time
 
 from bahrs_driver.convert.bahrs import TOPICS
-from devices import DIAGNOSTICS, known, says, status
+from bahrs_driver.emulator.bahrs_diagnostics import DiagnosticsMode, ServiceHabits
+from bahrs_driver.protocol.bahrs import Acknowledgement, EnterDiagnostics
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.framing import Framer
+from devices import Device, DIAGNOSTICS, known, says, status
 from diagnostic_msgs.msg import DiagnosticStatus
-from processes import driver, listening, PATIENCE, running, wait_for
+from processes import command, driver, listening, PATIENCE, running, wait_for
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters
 from std_msgs.msg import UInt8MultiArray
 from std_srvs.srv import Trigger
+from targets import IMPOSSIBLE, link_to, NOT_REGULAR, snapshot
 
 IMAGE = bytes((3 * index + index // 100) % 256 for index in range(8000))
 # With this, each page comes so late that a dump takes ten seconds: time to come between.
@@ -46,6 +57,15 @@ class Services:
         assert wait_for(future.done)
         return future.result()
 
+    def change(self, name, value):
+        """Set a parameter, and return the result."""
+        kind = {int: ParameterType.PARAMETER_INTEGER, float: ParameterType.PARAMETER_DOUBLE,
+                str: ParameterType.PARAMETER_STRING}[type(value)]
+        field = {int: 'integer_value', float: 'double_value', str: 'string_value'}[type(value)]
+        parameter = Parameter(name=name, value=ParameterValue(type=kind, **{field: value}))
+        request = SetParameters.Request(parameters=[parameter])
+        return self.call('set_parameters', request).results[0]
+
     def ask(self, name):
         """Call an nvm service and return whether it succeeded and what it said."""
         answer = self.call(f'nvm/{name}')
@@ -60,31 +80,28 @@ def emulator(tmp_path):
     processes = []
 
     def start(*words):
-        command = running('bahrs', 'emulate', '--link', str(tmp_path / 'port'),
-                          '--nvm', str(image), *words)
-        processes.append(command)
-        process = command.__enter__()
+        processes.append(running('bahrs', 'emulate', '--link', str(tmp_path / 'port'),
+                                 '--nvm', str(image), *words))
+        process = processes[-1].__enter__()
         assert wait_for(lambda: process.lines)
         return process
 
     yield start
-    for command in processes:
-        command.__exit__(None, None, None)
+    for process in processes:
+        process.__exit__(None, None, None)
 
 
 def test_read_page_and_dump(emulator, tmp_path):
     """Pages, file, SHA-256, topic; what else is asked meanwhile; and the stream is back."""
     emulator(*SLOW)
-    file = tmp_path / 'dump.bin'
-    with listening(HEARD) as ear, \
-            driver(str(tmp_path / 'port'), nvm__page=7, nvm__dump_path=file):
+    file = tmp_path / 'dumps' / 'dump.bin'
+    with listening(HEARD) as ear, driver(str(tmp_path / 'port'), nvm__page=7,
+                                         nvm__directory=file.parent, nvm__dump_path=file.name):
         services = Services(ear)
         ear.wait('imu/data', 10)
         assert services.ask('read_page') == (True, {'page': 7, 'data': IMAGE[224:256].hex()})
-        assert bytes(ear.wait('nvm/page')[0].data) == IMAGE[224:256]
-        value = ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=249)
-        request = SetParameters.Request(parameters=[Parameter(name='nvm.page', value=value)])
-        assert services.call('set_parameters', request).results[0].successful
+        assert numbered(ear.wait('nvm/page')) == [(7, IMAGE[224:256])]
+        assert services.change('nvm.page', 249).successful
         assert services.ask('read_page')[1]['data'] == IMAGE[-32:].hex()
 
         dump = services.start('nvm/dump')
@@ -100,38 +117,128 @@ def test_read_page_and_dump(emulator, tmp_path):
         assert wait_for(dump.done)
         assert json.loads(dump.result().message) == {
             'path': str(file), 'bytes': 8000, 'sha256': hashlib.sha256(IMAGE).hexdigest()}
-        assert file.read_bytes() == IMAGE
-        assert len(ear.wait('nvm/page', 252)) == 252
+        assert file.read_bytes() == IMAGE and list(file.parent.iterdir()) == [file]
+        assert numbered(ear.wait('nvm/page', 252))[2:] == [
+            (number, IMAGE[32 * number:32 * number + 32]) for number in range(250)]
 
         ear.wait('imu/data', len(ear.heard['imu/data']) + 20)
         assert says(ear, 'Rates', DiagnosticStatus.OK, 'All messages at their rates')
 
 
+def numbered(pages):
+    """Return numbers and data of pages, from messages on nvm/page."""
+    return [(int(page.layout.dim[0].label.removeprefix('page=')), bytes(page.data))
+            for page in pages]
+
+
 def test_failures_are_told_and_leave_no_file(emulator, tmp_path):
-    """A page that cannot be read, a folder that is not there, nothing to cancel."""
+    """A page that cannot be read, and nothing to cancel; pages before it are published."""
     emulator('--nvm-error-pages', '9')
-    file = tmp_path / 'dump.bin'
-    with listening(HEARD) as ear, driver(str(tmp_path / 'port'), nvm__dump_path=file):
+    with listening(HEARD) as ear, driver(str(tmp_path / 'port'), nvm__directory=tmp_path):
         services = Services(ear)
         ear.wait('imu/data', 10)
+        before = set(tmp_path.iterdir())
         assert services.ask('dump') == (
             False, {'error': 'the device cannot read page 9 (status 255)'})
-        assert not file.exists() and not list(tmp_path.glob('.dump*'))
+        assert set(tmp_path.iterdir()) == before
+        assert [number for number, _ in numbered(ear.wait('nvm/page', 9))] == list(range(9))
         assert services.ask('cancel') == (False, {'error': 'no NVM request is under way'})
         ear.wait('imu/data', len(ear.heard['imu/data']) + 20)
-    with listening(HEARD) as ear, \
-            driver(str(tmp_path / 'port'), nvm__dump_path='/nowhere/dump.bin'):
+
+
+def test_targets_that_are_refused(emulator, tmp_path):
+    """All kinds, before the stream is stopped; the node survives, and the next dump succeeds."""
+    emulator()
+    root = tmp_path / 'dumps'
+    root.mkdir()
+    refused = [*(set(IMPOSSIBLE.values()) - {'target/'}), '~nosuchuser/x', '~/x',
+               str(tmp_path / 'port'), '/dev/ttyUSB0', '../x', 'out/x']
+    refused = [path for path in refused if path.isprintable()]      # or no text of ROS
+    for kind, make in NOT_REGULAR.items():
+        make(root / kind)
+        link_to(make)(root / f'link to {kind}')
+        refused += [kind, f'link to {kind}']
+    (root / 'link').symlink_to('regular')
+    (root / 'regular').write_bytes(b'precious')
+    (root / 'out').symlink_to(tmp_path)
+    before = snapshot(tmp_path)
+    with listening(HEARD) as ear, driver(str(tmp_path / 'port'), nvm__directory=root,
+                                         nvm__dump_path="'~nosuchuser/x'") as node:
         services = Services(ear)
         ear.wait('imu/data', 10)
-        assert services.ask('dump') == (
-            False, {'error': 'cannot write /nowhere/dump.bin: no such folder'})
+        for path in (*refused, 'link'):
+            assert services.change('nvm.dump_path', path).successful
+            success, answer = services.ask('dump')
+            assert not success and answer['error'].startswith('parameter nvm.dump_path: '), path
+        assert snapshot(tmp_path) == before
+        # Had the stream been stopped, pages would have come.
+        assert not ear.heard['nvm/page']
+        assert services.change('nvm.dump_path', 'regular').successful
+        assert services.ask('dump')[0] and (root / 'regular').read_bytes() == IMAGE
+        assert 'Traceback' not in node.text
+
+
+@pytest.mark.parametrize('directory, sentence', [
+    ('/proc/nowhere', 'cannot make /proc/nowhere: '),
+    ("'~nosuchuser'", 'cannot write ~nosuchuser: '),
+    ('/dev/null', 'cannot make /dev/null: '),
+])
+def test_a_directory_that_cannot_be_used(emulator, tmp_path, directory, sentence):
+    """The node drives its device all the same."""
+    emulator()
+    with listening(HEARD) as ear, driver(str(tmp_path / 'port'), nvm__directory=directory):
+        services = Services(ear)
+        ear.wait('imu/data', 10)
+        assert not services.change('nvm.directory', str(tmp_path)).successful
+        success, answer = services.ask('dump')
+        assert not success and answer['error'].startswith(f'parameter nvm.directory: {sentence}')
+
+
+def test_parameters_are_read_at_each_call(emulator, tmp_path):
+    """How long and in which frames to ask; values that are not valid are rejected."""
+    emulator('--service-crc', 'mpeg2', '--nvm-window', 'always')
+    with listening(HEARD) as ear, driver(str(tmp_path / 'port'), nvm__enter_timeout=600,
+                                         nvm__service_frames='mpeg2'):
+        services = Services(ear)
+        ear.wait('imu/data', 10)
+        assert services.ask('read_page')[0]
+        for name, value in (('service_frames', 'crc64'), ('enter_timeout', 0.5),
+                            ('enter_timeout', float('nan')), ('page', 250)):
+            result = services.change(f'nvm.{name}', value)
+            assert not result.successful and f'nvm.{name}' in result.reason
+        assert services.change('nvm.service_frames', 'crc32').successful
+        assert services.change('nvm.enter_timeout', 1.0).successful
+        success, answer = services.ask('read_page')
+        assert not success and 'within 1 s' in answer['error']
+        assert services.change('nvm.service_frames', 'auto').successful
+        assert services.ask('read_page')[0]
+
+
+def test_a_device_that_agrees_and_goes_on_streaming(cable):
+    """The service answers, and the node goes on and ends as ever."""
+    codec, framer = BahrsCodec(), Framer(BahrsFormat())
+    with listening(HEARD) as ear, driver(cable.path) as node, Device(cable):
+        services = Services(ear)
+        ear.wait('imu/data', 10)
+        answer = services.start('nvm/dump')
+        asked = 0
+        while not answer.done() and asked < 1000:
+            for frame in framer.feed(cable.read(0.01)):
+                if isinstance(codec.decode(frame), EnterDiagnostics):
+                    asked += 1
+                    cable.write(codec.encode(Acknowledgement(EnterDiagnostics.TYPE, 0), 3))
+        assert 'did not stay in it' in json.loads(answer.result().message)['error']
+        assert asked < 100
+        ear.wait('imu/data', len(ear.heard['imu/data']) + 20)
+        assert node.end() == 0
 
 
 def test_cancel_and_unplug(emulator, tmp_path):
     """In the midst of a dump; each time the stream comes back by itself."""
     device = emulator(*SLOW)
     file = tmp_path / 'dump.bin'
-    with listening(HEARD) as ear, driver(str(tmp_path / 'port'), nvm__dump_path=file) as node:
+    with listening(HEARD) as ear, driver(str(tmp_path / 'port'), nvm__directory=tmp_path,
+                                         nvm__dump_path=file) as node:
         services = Services(ear)
         ear.wait('imu/data', 10)
         for interrupt, error in ((lambda: services.ask('cancel'), 'cancelled'),
@@ -168,7 +275,7 @@ def test_ending_the_node_makes_the_device_leave(emulator, tmp_path):
     """At once: this device would not leave by its own time-out before this test gives up."""
     emulator('--nvm-timeout', '3600', *SLOW)
     with listening(HEARD) as ear:
-        with driver(str(tmp_path / 'port')) as node:
+        with driver(str(tmp_path / 'port'), nvm__directory=tmp_path) as node:
             services = Services(ear)
             ear.wait('imu/data', 10)
             services.start('nvm/dump')
@@ -210,13 +317,89 @@ def test_command_line(emulator, tmp_path):
     with running('bahrs', 'nvm', 'dump', str(file), '--yes', *port) as dump:
         assert dump.wait() == 0 and hashlib.sha256(IMAGE).hexdigest() in dump.text
     assert file.read_bytes() == IMAGE
+    file.write_bytes(b'precious')
+    with running('bahrs', 'nvm', 'dump', str(file), '--yes', *port) as dump:
+        assert dump.wait() == 1 and 'exists already: choose another name, or' in dump.text
+    assert file.read_bytes() == b'precious'
+    with running('bahrs', 'nvm', 'dump', str(file), '--yes', '--force', *port) as dump:
+        assert dump.wait() == 0 and file.read_bytes() == IMAGE
+    dump = subprocess.run(command('bahrs', 'nvm', 'dump', '-', '--yes', *port),
+                          capture_output=True, timeout=PATIENCE, check=True)
+    assert dump.stdout == IMAGE and b'8,000 bytes' in dump.stderr
+
+
+class Silent(threading.Thread):
+    """A device on a cable that does not stream, answers slowly, and never leaves by itself."""
+
+    def __init__(self, cable):
+        """Make it, to be started."""
+        super().__init__(daemon=True)
+        self._cable, self._mode = cable, DiagnosticsMode(ServiceHabits(image=IMAGE, timeout=3600))
+        self._ended = threading.Event()
+
+    @property
+    def active(self):
+        """Whether it is in diagnostics mode."""
+        return self._mode.active(time.monotonic())
+
+    def run(self):
+        """Answer until it is ended."""
+        codec = BahrsCodec()
+        while not self._ended.wait(0.02):
+            for answer in self._mode.receive(self._cable.read(0.02), time.monotonic()):
+                self._cable.write(codec.encode(answer, 3))
+
+    def __enter__(self):
+        """Start."""
+        self.start()
+        return self
+
+    def __exit__(self, *_):
+        """End."""
+        self._ended.set()
+        self.join()
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_makes_the_device_leave(cable, tmp_path, number):
+    """At once, and without a file; further signals change nothing."""
+    with Silent(cable) as device, running(
+            'bahrs', 'nvm', 'dump', str(tmp_path / 'dump.bin'), '--port', cable.path) as dump:
+        assert wait_for(lambda: device.active)
+        while dump.alive:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(dump.pid, number)
+            time.sleep(0.02)
+        assert dump.wait() == 130 and 'Traceback' not in dump.text
+        assert wait_for(lambda: not device.active)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_terminal_that_is_closed_makes_the_device_leave(cable, tmp_path):
+    """Though nothing can be printed any more."""
+    ours, theirs = pty.openpty()
+    # The leader of a session that opens a terminal gets it for its own, with its hang-up.
+    words = ('sh', '-c', f'exec "$@" <>{os.ttyname(theirs)} >&0 2>&0', 'sh', *command(
+        'bahrs', 'nvm', 'dump', str(tmp_path / 'dump.bin'), '--port', cable.path))
+    with Silent(cable) as device:
+        process = subprocess.Popen(words, start_new_session=True)
+        os.close(theirs)
+        try:
+            assert wait_for(lambda: device.active)
+            os.close(ours)
+            process.wait(PATIENCE)
+        finally:
+            process.kill()
+            process.wait()
+        assert wait_for(lambda: not device.active)
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize('words, sentence', [
     (['read', '250'], 'page 250 does not exist: pages are 0 to 249'),
     (['read', '0', '--port', '/dev/nowhere'], '/dev/nowhere does not exist'),
-    (['dump', '/nowhere/x'], 'cannot write /nowhere/x: no such folder'),
-    (['dump', '.'], 'cannot write .: it is a folder'),
+    (['dump', '/nowhere/x'], 'cannot write /nowhere/x: No such file or directory: create'),
+    (['dump', '.'], 'cannot write .: it is a directory'),
     (['show', '/dev/null'], '/dev/null is no image: 0 bytes are too few'),
     (['show', 'nowhere.bin'], 'cannot read nowhere.bin'),
 ])

@@ -1,0 +1,251 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of where verbs may write: every verb, every kind of target, and what it leaves."""
+
+import os
+from pathlib import Path
+import stat
+import subprocess
+import tempfile
+import threading
+
+from bahrs_driver.cli import report
+from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.cli.main import main
+from bahrs_driver.cli.outputs import output_file
+from bahrs_driver.emulator.bahrs_diagnostics import DiagnosticsMode, ServiceHabits
+from bahrs_driver.emulator.pty_port import PtyPort
+from bahrs_driver.protocol.bahrs_frames import BahrsCodec
+from emulated import emissions, make_device
+from hypothesis import given, strategies
+from processes import command, PATIENCE
+import pytest
+from targets import (
+    IMPOSSIBLE, link_to, no_larger_file_than, NOT_REGULAR, REGULAR, snapshot, umask, unprivileged,
+)
+
+EMULATE = ('emulate', '--duration', '0.8')
+# Each verb that writes a file which the user names, up to the name. FLIGHT is a recording.
+TO_FILE = {
+    'report': ('report', 'FLIGHT', '--output'),
+    'emulate --output': (*EMULATE, '--output'),
+    'emulate --truth': (*EMULATE, '--output', os.devnull, '--truth'),
+}
+# Each that makes a directory or a link.
+TO_NEW = {
+    'convert': ('convert', 'FLIGHT'),
+    'convert --as csv': ('convert', '--as', 'csv', 'FLIGHT'),
+    'emulate --link': (*EMULATE, '--link'),
+}
+EVERY_VERB = {**TO_FILE, **TO_NEW}
+EVERY_KIND = {**REGULAR, **NOT_REGULAR}
+EVERY_KIND |= {f'link to {name}': link_to(make) for name, make in EVERY_KIND.items()}
+
+
+@pytest.fixture(scope='module')
+def flight(tmp_path_factory):
+    """Give a file of a second of a device."""
+    file = tmp_path_factory.mktemp('flight') / 'flight.bin'
+    file.write_bytes(b''.join(item.data for item in emissions(make_device(), 1.0)))
+    return str(file)
+
+
+@pytest.fixture(scope='module', autouse=True)
+def short_page():
+    """Have reports made without their pictures, which take their time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(report, 'page', lambda recording: ['<!DOCTYPE html>', 'x' * 2000])
+        yield
+
+
+def run(flight, capsys, *words):
+    """Run a verb in this process; return its exit status and its complaints."""
+    try:
+        status = main([flight if word == 'FLIGHT' else str(word) for word in words])
+    except SystemExit as stop:
+        status = stop.code
+    return status, capsys.readouterr().err
+
+
+def refused(flight, capsys, *words):
+    """Assert that a verb refuses in one sentence, which is returned."""
+    status, text = run(flight, capsys, *words)
+    assert status == 1, text
+    sentences = [line for line in text.splitlines() if line.startswith(f'bahrs {words[0]}: ')]
+    assert len(sentences) == 1 and sentences[0].isprintable() and 'Traceback' not in text
+    return sentences[0]
+
+
+@pytest.mark.parametrize('verb', EVERY_VERB)
+@pytest.mark.parametrize('kind', EVERY_KIND)
+def test_whatever_is_at_the_target_stays(flight, capsys, tmp_path, verb, kind):
+    """Every kind, for every verb; with --force only a regular file is replaced."""
+    target = tmp_path / 'target'
+    EVERY_KIND[kind](target)
+    before = snapshot(tmp_path)
+    sentence = refused(flight, capsys, *EVERY_VERB[verb], target)
+    assert str(target) in sentence and snapshot(tmp_path) == before
+    if verb not in TO_FILE:
+        return
+    if kind.removeprefix('link to ') in REGULAR:
+        assert 'or replace it with --force' in sentence
+        assert run(flight, capsys, *TO_FILE[verb], target, '--force')[0] == 0
+        assert target.stat().st_size > 1000 and set(snapshot(tmp_path)) == set(before)
+    else:
+        refused(flight, capsys, *TO_FILE[verb], target, '--force')
+        assert snapshot(tmp_path) == before
+
+
+@pytest.mark.parametrize('verb', EVERY_VERB)
+@pytest.mark.parametrize('kind', IMPOSSIBLE)
+def test_paths_that_cannot_be_written(flight, capsys, tmp_path, verb, kind, monkeypatch):
+    """One sentence, and nothing is left behind."""
+    if verb in TO_NEW and kind in ('missing parent', 'trailing slash'):
+        return          # is made
+    monkeypatch.chdir(tmp_path)
+    Path('file').touch()
+    before = snapshot(tmp_path)
+    refused(flight, capsys, *EVERY_VERB[verb], IMPOSSIBLE[kind])
+    assert snapshot(tmp_path) == before
+
+
+@pytest.mark.parametrize('verb', EVERY_VERB)
+def test_a_directory_that_may_not_be_written_into(flight, capsys, verb):
+    """One sentence with a remedy, before the work begins."""
+    with tempfile.TemporaryDirectory() as top:
+        copy = Path(top, 'flight.bin')
+        copy.write_bytes(Path(flight).read_bytes())
+        os.chmod(top, 0o555)
+        with unprivileged():
+            sentence = refused(str(copy), capsys, *EVERY_VERB[verb], f'{top}/target')
+        assert 'Permission denied: choose another directory' in sentence
+        os.chmod(top, 0o755)
+        assert os.listdir(top) == ['flight.bin']
+
+
+@pytest.mark.parametrize('verb', sorted(set(EVERY_VERB) - {'emulate --link'}))
+def test_no_room(flight, capsys, tmp_path, verb):
+    """One sentence with a remedy; of a complete file nothing is left."""
+    with no_larger_file_than(100):
+        sentence = refused(flight, capsys, *EVERY_VERB[verb], tmp_path / 'target')
+    assert 'File too large: choose another directory' in sentence
+    assert set(os.listdir(tmp_path)) <= ({'target'} if verb == 'emulate --truth' else set())
+
+
+@pytest.mark.parametrize('verb', sorted(set(EVERY_VERB) - {'emulate --link'}))
+def test_modes_honour_the_umask(flight, capsys, tmp_path, verb):
+    """Of every file and directory."""
+    with umask(0o027):
+        assert run(flight, capsys, *EVERY_VERB[verb], tmp_path / 'target')[0] == 0
+    modes = {path.is_dir(): stat.S_IMODE(path.stat().st_mode) for path in tmp_path.rglob('*')}
+    assert modes.get(True, 0o750) == 0o750 and modes[False] == 0o640
+
+
+@pytest.mark.parametrize('verb', TO_FILE)
+@pytest.mark.parametrize('name', ['-', '/dev/stdout'])
+def test_standard_output(flight, verb, name):
+    """The file, and nothing else."""
+    words = [flight if word == 'FLIGHT' else word for word in TO_FILE[verb]]
+    done = subprocess.run(command('bahrs', *words, name), capture_output=True, check=True,
+                          timeout=PATIENCE)
+    begins = {'report': b'<!DOCTYPE html>', 'emulate --output': b'NE',
+              'emulate --truth': b'{"message"'}
+    assert done.stdout.startswith(begins[verb])
+
+
+def test_the_truth_and_the_bytes_do_not_share_a_file(flight, capsys, tmp_path):
+    """However it is named."""
+    (tmp_path / 'link').symlink_to('file')
+    for name in (tmp_path / 'file', tmp_path / 'link', f'{tmp_path}/./file'):
+        sentence = refused(flight, capsys, *EMULATE, '--force', '--output', tmp_path / 'file',
+                           '--truth', name)
+        assert 'choose another name for one of them' in sentence
+    assert not (tmp_path / 'file').exists()
+
+
+def test_two_that_write_the_same_file(tmp_path):
+    """The first that is ready has it; the other is refused, and its work is removed."""
+    path = str(tmp_path / 'file')
+    with pytest.raises(CommandError, match='exists already'), output_file(path, False) as first:
+        first.write(b'first')
+        with output_file(path, False) as second:
+            second.write(b'second')
+    assert Path(path).read_bytes() == b'second' and os.listdir(tmp_path) == ['file']
+
+
+class Memory(threading.Thread):
+    """A device on a port that only answers requests for its memory."""
+
+    def __init__(self, port):
+        """Take the port."""
+        super().__init__(daemon=True)
+        self._port, self.ended, self.asked = port, threading.Event(), False
+
+    def run(self):
+        """Answer until it is ended."""
+        codec, mode = BahrsCodec(), DiagnosticsMode(ServiceHabits())
+        while not self.ended.is_set():
+            data = self._port.read(0.01)
+            self.asked = self.asked or bool(data)
+            for answer in mode.receive(data, 0.0):
+                self._port.write(codec.encode(answer, 3))
+
+
+def test_a_dump_is_refused_before_the_device_is_asked(flight, capsys, tmp_path):
+    """All kinds; then it is written."""
+    with PtyPort() as port:
+        memory = Memory(port)
+        memory.start()
+        dump = ('nvm', 'dump', '--port', port.path)
+        for kind, make in EVERY_KIND.items():
+            make(tmp_path / kind)
+            before = snapshot(tmp_path)
+            refused(flight, capsys, *dump, tmp_path / kind)
+            if kind.removeprefix('link to ') not in REGULAR:
+                refused(flight, capsys, *dump, tmp_path / kind, '--force')
+            assert snapshot(tmp_path) == before
+        for path in (port.path, '/nowhere/x', '.'):
+            refused(flight, capsys, *dump, path, '--force')
+        memory.ended.set()
+        memory.join()
+        assert not memory.asked
+
+
+@pytest.mark.parametrize('verb', sorted(set(EVERY_VERB) - {'emulate --link'}))
+def test_no_file_among_the_devices(flight, capsys, verb):
+    """The superuser could make one, which would take the name of a device that is unplugged."""
+    sentence = refused(flight, capsys, *EVERY_VERB[verb], '/dev/bahrs_unplugged')
+    assert not os.path.lexists('/dev/bahrs_unplugged')
+    assert sentence.endswith(': /dev is for devices: name a file elsewhere')
+
+
+TEXT = strategies.text(strategies.characters(codec=None), max_size=20)
+PIECES = strategies.sampled_from([
+    '..', '.', '~', '-', '/dev/full', '/proc', '/sys', 'FIFO', 'socket', 'out', 'kept', '\x1b[2J',
+    '\udcff', '\ud800', '\n', ' ', 'x' * 255, 'ü', '%s', '[red]', '{}'])
+
+
+@given(strategies.sampled_from(sorted(TO_FILE)), strategies.booleans(),
+       strategies.lists(PIECES | TEXT, min_size=1, max_size=4))
+def test_any_name_gives_a_file_or_one_sentence(flight, verb, force, parts):
+    """Whatever the name is made of, nothing else is touched, and no exception gets out."""
+    with tempfile.TemporaryDirectory() as top:
+        inner = Path(top, 'inner')
+        inner.mkdir()
+        os.mkfifo(inner / 'FIFO')
+        NOT_REGULAR['socket'](inner / 'socket')
+        (inner / 'kept').write_bytes(b'precious')
+        before, here = snapshot(top), os.getcwd()
+        os.chdir(inner)
+        try:
+            words = [flight if word == 'FLIGHT' else word for word in TO_FILE[verb]]
+            status = main([*words[:-1], f'{words[-1]}={"/".join(parts)}',
+                           *(['--force'] if force else [])])
+        finally:
+            os.chdir(here)
+        after = snapshot(top)
+        changed = {name: item for name, item in after.items() if before.get(name) != item}
+        assert set(before) <= set(after)
+        assert all(stat.S_ISREG(mode) for mode, _ in changed.values())
+        assert len(changed) <= (status == 0), changed
+        assert force or not set(changed) & set(before)
