@@ -12,6 +12,8 @@ from bahrs_driver.node import DriverNode
 from bahrs_driver.parameter import ParameterError
 from bahrs_driver.printable import printable
 from bahrs_driver.ros_start import init_ros, RosStartError, start_errors
+from bahrs_driver.settings.command_line import RosArguments, split
+from bahrs_driver.settings.parameter_files import is_pipe
 from bahrs_driver.shutdown_event import EXIT_TIME, ShutdownEvent
 import rclpy
 from rclpy.utilities import remove_ros_args
@@ -37,7 +39,7 @@ def run(shutdown: ShutdownEvent) -> int:
 
 
 def _start() -> DriverNode:
-    _check_words(remove_ros_args(sys.argv)[1:])
+    _check_arguments(sys.argv)
     no_log_files = init_ros(sys.argv)
     node = DriverNode()
     if no_log_files:
@@ -80,7 +82,11 @@ def _keep_running(name: str, run_thread: Callable[[], None], node: DriverNode,
             return
 
 
-def _check_words(words: list[str]) -> None:
-    if words:
-        raise ParameterError(f'{words[0]!r} is not understood: parameters are given as '
-                             '--ros-args -p port:=/dev/ttyUSB0')
+def _check_arguments(words: list[str]) -> None:
+    """Raise what rcl has to say of its arguments, without the lines that it would log."""
+    own = split(words)[0][1:]
+    if own:
+        raise ParameterError(f'{printable(repr(own[0]))} is not understood: parameters are given '
+                             'as --ros-args -p port:=/dev/ttyUSB0')
+    if not any(map(is_pipe, RosArguments.from_words(words).files)):
+        remove_ros_args(words)          # reads parameter files, which a pipe allows only once

@@ -9,13 +9,13 @@ from io import TextIOWrapper
 import os
 import sys
 
-from bahrs_driver.cli import ros_arguments
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.signals import interrupt_on_signals
 from bahrs_driver.exit_timer import exit_after
 from bahrs_driver.printable import printable
 from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.ros_start import check_import, missing_module, RosStartError
+from bahrs_driver.settings.command_line import split
 from bahrs_driver.shutdown_event import ignore_signals
 
 # Each verb is the module of its name; only the one asked for is imported, so that those that
@@ -50,7 +50,7 @@ _EPILOG = f"""examples:
 
 def main(args: list[str] | None = None) -> int:
     """Run one verb; 0 on success, 1 on failure, 2 on a mistake in the command line."""
-    words, for_ros = ros_arguments.split(sys.argv[1:] if args is None else args)
+    words, for_ros = split(sys.argv[1:] if args is None else args)
     if isinstance(sys.stdout, TextIOWrapper):       # the name of a file may be any bytes
         sys.stdout.reconfigure(errors='backslashreplace')
     verb = words[0] if words else ''

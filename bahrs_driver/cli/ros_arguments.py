@@ -11,22 +11,8 @@ namespace means the driver beside it.
 from collections.abc import Sequence
 import re
 
-MARK = '--ros-args'
-_END = '--'
 _REMAPS = ('-r', '--remap')
 _NAMESPACE = re.compile(r'(?:[^:]*:)?__ns:=(.*)', re.DOTALL)
-
-
-def split(words: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return a verb's own words, and those for ROS with their marks."""
-    own: list[str] = []
-    for_ros: list[str] = []
-    inside = False
-    for word in words:
-        inside = inside or word == MARK
-        (for_ros if inside else own).append(word)
-        inside = inside and word != _END
-    return own, for_ros
 
 
 def namespace(for_ros: Sequence[str]) -> str | None:

@@ -12,6 +12,7 @@ rather than to the process, come after all of these. So the last rules go to the
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
+MARK, END = '--ros-args', '--'
 RULE_FLAGS = ('-p', '--param')
 REMAP_FLAGS = ('-r', '--remap')
 FILE_FLAG = '--params-file'
@@ -62,11 +63,25 @@ class RosArguments:
                                 for word in ('-p', rule))]
 
 
+def split(words: Sequence[str]) -> tuple[list[str], list[str]]:
+    """
+    Return the words of a command itself, and those for ROS with their marks.
+
+    Unlike rclpy.utilities.remove_ros_args this reads no file: a pipe can be read only once.
+    """
+    own: list[str] = []
+    for_ros: list[str] = []
+    inside = False
+    for word in words:
+        inside = inside or word == MARK
+        (for_ros if inside else own).append(word)
+        inside = inside and word != END
+    return own, for_ros
+
+
 def _flags(words: Sequence[str]) -> Iterator[tuple[str, str]]:
     """Yield the flags of ROS that take a value, each with its value."""
-    rest, inside = iter(words), False
+    rest = iter(split(words)[1])
     for word in rest:
-        if word == '--ros-args' or word == '--':
-            inside = word == '--ros-args'
-        elif inside and word in (*RULE_FLAGS, *REMAP_FLAGS, FILE_FLAG, *FLAGS_WITH_VALUE):
+        if word in (*RULE_FLAGS, *REMAP_FLAGS, FILE_FLAG, *FLAGS_WITH_VALUE):
             yield word, next(rest, '')

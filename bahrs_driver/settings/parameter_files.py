@@ -19,6 +19,12 @@ LARGEST = 10_000_000        # bytes; what is larger is no parameter file
 VALUES_KEY = 'ros__parameters'
 
 
+def is_pipe(file: str) -> bool:
+    """Return whether a file is a pipe or device, which may give its content only once."""
+    path = Path(file)
+    return path.exists() and not path.is_file() and not path.is_dir()
+
+
 def problem(file: str) -> str | None:
     """Return why a file cannot be used, in a sentence, if that can be found out."""
     name = printable(file)
@@ -65,10 +71,9 @@ def _load(file: str) -> list[Any] | None:
 
 def load_text(file: str) -> str | None:
     """Return what is in a file, None if it is a pipe; OSError or ValueError if it is no text."""
-    path = Path(file)
-    if path.exists() and not path.is_file() and not path.is_dir():
+    if is_pipe(file):
         return None
-    with path.open('rb') as stream:
+    with open(file, 'rb') as stream:
         data = stream.read(LARGEST + 1)
     if len(data) > LARGEST:
         raise ValueError('too large')

@@ -3,7 +3,8 @@
 """Tests of verbs that a launch file starts: it adds --ros-args and what follows."""
 
 from bahrs_driver.cli.main import ROS_NODES, VERBS
-from bahrs_driver.cli.ros_arguments import namespace, split
+from bahrs_driver.cli.ros_arguments import namespace
+from bahrs_driver.settings.command_line import split
 from hypothesis import given, strategies as st
 from processes import running
 import pytest

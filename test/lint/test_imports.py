@@ -42,7 +42,7 @@ MAY_IMPORT = {
     'ros_start': {'settings'},
     'monitor': {'monitor', 'convert', 'diagnostics', 'driver_graph', 'node_names'},
     'driver_node': {'node_process', 'ros_start', 'shutdown_event'},
-    'node_process': {'executor', 'exit_timer', 'node', 'parameter', 'ros_start',
+    'node_process': {'executor', 'exit_timer', 'node', 'parameter', 'ros_start', 'settings',
                      'shutdown_event'},
     'node': {'parameter', 'settings', 'sensors', 'convert', 'recording', 'diagnostics',
              'nvm_services', 'receiver', 'latched_publisher', 'link', 'fault_log', 'sim_time',

@@ -2,17 +2,29 @@
 # SPDX-License-Identifier: Apache-2.0
 """Settings of the node as a process: which are used, and that they can be asked for and set."""
 
+import contextlib
 from pathlib import Path
+import shlex
 
 from bahrs_driver.convert.bahrs import TOPICS
 from devices import Device
-from processes import listening, PATIENCE, running, wait_for
+from processes import command, listening, PATIENCE, Process, running, wait_for
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters
 
 CONFIG = Path(__file__).resolve().parents[2] / 'config'
 UNDEFINED = 200
+
+
+@contextlib.contextmanager
+def process(*words):
+    """Run any command, and end it at the end."""
+    child = Process(list(words))
+    try:
+        yield child
+    finally:
+        child.end()
 
 
 def call(ear, kind, name, request):
@@ -80,3 +92,44 @@ def test_requests_that_cannot_be_met_are_answered_and_disturb_nothing(cable):
                                      'it with -p frame_id:=VALUE')
         ear.wait('imu/data', len(ear.heard['imu/data']) + 50)
         assert 'Traceback' not in node.text and node.end() == 0
+
+
+@pytest.mark.parametrize('words', [
+    ['-p', 'port:=\udcff'], ['-p', 'sensor:=[]'], ['-p', 'baud_rate:={}'], ['-p', 'frame_id:= '],
+    ['-p', 'stddev.velocity:=99999999999999999999999'], ['-p', 'use_sim_time:=[]'],
+    ['-p', 'qos_overrides./raw.publisher.depth:=-1', '-p', 'publish.raw:=true'],
+    ['--params-file', '/dev/urandom'], ['--params-file', '/'], ['-r', '__node:=a b'],
+    ['--params-file', str(CONFIG / 'foxglove_layout.json')]], ids=repr)
+def test_what_cannot_be_used_ends_the_process_with_one_sentence(words):
+    """With status 1 and no traceback, whichever library it was that did not like it."""
+    with running('driver_node', '--ros-args', '-p', 'port:=/nowhere', *words) as node:
+        assert node.wait() == 1
+        sentences = [line for line in node.lines if line.startswith('bahrs_driver: ')]
+        assert len(sentences) == 1 and 'Traceback' not in node.text and '.py' not in node.text
+
+
+def test_a_parameter_file_may_be_a_pipe(tmp_path):
+    """As a shell gives it for <(command): it can be read only once."""
+    content = f'/**: {{ros__parameters: {{port: {tmp_path}/port, sensor: titan_m}}}}'
+    command_line = shlex.join(command('driver_node', '--ros-args', '--params-file'))
+    with listening({}) as ear, process(
+            'bash', '-c', f'exec {command_line} <(echo {shlex.quote(content)})') as node:
+        assert text_of(ear, '/bahrs_driver', 'sensor') == 'titan_m'
+        assert 'without effect' not in node.text
+
+
+def test_a_change_that_nothing_would_read_is_refused(cable):
+    """The reason is in the response, for parameters of ROS, too."""
+    items = [Parameter(name='use_sim_time', value=ParameterValue(type=1, bool_value=True)),
+             Parameter(name='qos_overrides./imu/data.publisher.depth',
+                       value=ParameterValue(type=2, integer_value=5)),
+             Parameter(name='gps.week', value=ParameterValue(type=2, integer_value=2400))]
+    with listening({}) as ear, running(
+            'driver_node', '--ros-args', '-p', f'port:={cable.path}',
+            '-p', 'qos_overrides./imu/data.publisher.depth:=7'):
+        results = call(ear, SetParameters, 'bahrs_driver/set_parameters',
+                       SetParameters.Request(parameters=items)).results
+        assert not any(result.successful for result in results)
+        assert 'use_sim_time cannot be changed' in results[0].reason
+        assert 'read-only' in results[1].reason
+        assert results[2].reason == 'parameter gps.week has no effect: sensor is bahrs'
