@@ -28,6 +28,7 @@ from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 
 TOPICS = {**BAHRS_TOPICS, **TITAN_TOPICS}
+LONGEST_WAIT = 0.05         # s to wait for a message before looking at the time
 DATA_TIMEOUT = 1.5          # s without data, from which on it has stopped
 DRIVER_TIMEOUT = 3.5        # s without diagnostics, from which on the driver is gone
 DIAGNOSTICS = '/diagnostics'
@@ -64,8 +65,10 @@ class Watch:
             full_name(topic, self.namespace))}
         self._search.update(self._node, time.monotonic())
         end = time.monotonic() + seconds
-        while (left := end - time.monotonic()) > 0:
-            self._executor.spin_once(timeout_sec=left)
+        while time.monotonic() < end:
+            # Always the same timeout: with another one rclpy forgets which topics it has yet to
+            # serve and begins with the first. On a busy host the last ones would never come.
+            self._executor.spin_once(timeout_sec=LONGEST_WAIT)
             if self.choice.chosen:
                 self._listen_in(split_name(self.choice.chosen)[1])
         imu = self.message('imu/data')

@@ -2,7 +2,25 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of what the monitor keeps."""
 
-from bahrs_driver.monitor import tally
+from bahrs_driver.monitor import tally, watch
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from processes import wait_for
+import pytest
+import rclpy
+from rclpy.context import Context
+from sensor_msgs.msg import Imu
+from std_msgs.msg import Float64
+
+BACKLOG = 100           # messages that wait on each topic
+
+
+@pytest.fixture
+def node():
+    """Return a node in a context of its own."""
+    context = Context()
+    rclpy.init(context=context)
+    yield rclpy.create_node('watched', context=context)
+    rclpy.shutdown(context=context)
 
 
 def test_hours_without_a_look_take_no_memory(monkeypatch):
@@ -25,3 +43,19 @@ def test_two_messages_at_once_have_no_rate(monkeypatch):
     tallied.add(b'')
     tallied.add(b'')
     assert tallied.rate() == 0.0
+
+
+def test_a_busy_host_serves_every_topic(node):
+    """While more waits than can be served, none of the topics is left out."""
+    look = watch.Watch(node)
+    published = [('imu/data_raw', Imu()), ('heading', Float64()), ('/diagnostics', DiagnosticArray(
+        status=[DiagnosticStatus(name='bahrs_driver: Link')]))]
+    publishers = [(node.create_publisher(type(message), topic, BACKLOG), message)
+                  for topic, message in published]
+    assert wait_for(lambda: all(publisher.get_subscription_count()
+                                for publisher, _ in publishers))
+    for publisher, message in publishers:
+        for _ in range(BACKLOG):
+            publisher.publish(message)
+    assert wait_for(lambda: look.spin(0.001) or look.tallies['imu/data_raw'].count >= BACKLOG / 2)
+    assert look.tallies['heading'].count > BACKLOG / 5 and look.health.tasks
