@@ -115,7 +115,8 @@ def _report(options: argparse.Namespace, notes: list[str], outcome: Outcome) -> 
         print(json.dumps({**outcome._asdict(), 'output': options.output, 'notes': notes}))
     else:
         print(f'{outcome.frames:,} frames, {outcome.skipped_bytes:,} stray bytes: '
-              f'{outcome.messages:,} messages of {seconds:,.1f} s in {options.output}')
+              f'{outcome.messages:,} messages of {seconds:,.1f} s in '
+              f'{printable(options.output)}')
 
 
 def _time(text: str) -> int:

@@ -15,6 +15,7 @@ from typing import Any, BinaryIO
 from bahrs_driver.cli import decode_sensors
 from bahrs_driver.cli.decode_sensors import Decoder, DECODERS
 from bahrs_driver.cli.files import binary_input
+from bahrs_driver.printable import printable
 from bahrs_driver.protocol.bahrs import TimeMessage
 from bahrs_driver.protocol.framing import Frame, Framer
 from bahrs_driver.protocol.integrity import Integrity
@@ -138,7 +139,7 @@ def _flat(values: Iterable[Any]) -> Iterator[Any]:
         if isinstance(value, list):
             yield from value
         else:
-            yield value
+            yield printable(value) if isinstance(value, str) else value
 
 
 def _print_json(counts: Counter[str], decoder: Decoder) -> None:

@@ -8,6 +8,7 @@ from importlib.metadata import PackageNotFoundError, version
 from io import TextIOWrapper
 import os
 import sys
+from typing import NoReturn
 
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.signals import interrupt_on_signals
@@ -34,6 +35,7 @@ VERBS = {
 
 IMPORT_RCLPY = ('convert', 'monitor', 'record')
 ROS_NODES = ('doctor', 'monitor', 'record')     # verbs that hand on what follows --ros-args
+LONGEST_ERROR = 2000        # characters; names of files in it may be long
 CLEAN_UP_TIME = 1.0         # s, for the nodes of these verbs at the end of the process
 
 _STATUS = 'exit status'
@@ -46,6 +48,14 @@ _EPILOG = f"""examples:
 
 {_EXIT_STATUS}
 """
+
+
+class _Parser(argparse.ArgumentParser):
+    """Shows what is wrong with a word of the command line in a way that is safe to show."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print the usage and what is wrong, and end with status 2."""
+        super().error(printable(message, LONGEST_ERROR))
 
 
 def main(args: list[str] | None = None) -> int:
@@ -68,7 +78,7 @@ def _status(verb: str, words: list[str], for_ros: list[str]) -> int:
         interrupt_on_signals()
         return _run(verb, words, for_ros)
     except (CaptureError, CommandError, RosStartError) as error:
-        print(f'bahrs {verb}: {error}', file=sys.stderr)
+        print(f'bahrs {verb}: {printable(error, LONGEST_ERROR)}', file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130
@@ -77,7 +87,7 @@ def _status(verb: str, words: list[str], for_ros: list[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:
-        print(f'bahrs {verb}: cannot go on: {error}', file=sys.stderr)
+        print(f'bahrs {verb}: cannot go on: {printable(error)}', file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
 
@@ -101,7 +111,7 @@ def _version() -> str:
 
 
 def _parser(chosen: str) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog='bahrs', description='Tools for the BAHRS and Titan-M sensors.', epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--version', action='version', version=f'bahrs {_version()}')

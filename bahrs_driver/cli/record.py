@@ -129,7 +129,7 @@ def _record(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
                 if not bag.count and now - begin > PATIENCE:
                     reason = _nothing(options, recorder)
                     if reason != told:
-                        console.print(f'bahrs record: {reason}', soft_wrap=True)
+                        console.print(escape(f'bahrs record: {reason}'), soft_wrap=True)
                         told = reason
                 if now >= end:
                     break
