@@ -28,7 +28,7 @@ _EXAMPLES = """examples:
   bahrs monitor                           a live page, until Ctrl-C
   bahrs monitor --duration 15             then print what came
   bahrs monitor --duration 5 --json       for a script
-  bahrs monitor --node /left/bahrs_driver one of several drivers
+  bahrs monitor --node /left/bahrs_driver  one of several drivers
 """
 
 
