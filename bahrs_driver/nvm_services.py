@@ -20,6 +20,7 @@ from bahrs_driver.nvm_reader import NvmError, NvmReader, SessionOptions
 from bahrs_driver.protocol.nvm import PAGES
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
+from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import UInt8MultiArray
 from std_srvs.srv import Trigger
 
@@ -33,7 +34,9 @@ class NvmServices:
         """Make the services and the topic `nvm/page` on a node that has the nvm parameters."""
         self._node = node
         self._reader = reader
-        self._pages = node.create_publisher(UInt8MultiArray, nvm_page.TOPIC, PAGES)
+        self._pages = node.create_publisher(
+            UInt8MultiArray, nvm_page.TOPIC, PAGES,
+            qos_overriding_options=QoSOverridingOptions.with_default_policies())
         group = ReentrantCallbackGroup()
         for name, action in (('read_page', self._read_page), ('dump', self._dump),
                              ('cancel', self._cancel)):

@@ -34,7 +34,7 @@ DRIVER_TIMEOUT = 3.5        # s without diagnostics, from which on the driver is
 DIAGNOSTICS = '/diagnostics'
 STRONGEST_FORCE = 1000.0    # m/s^2; no message of more says which way is up
 
-# Whoever only looks must hold up nobody, so what comes too fast is let go.
+# A subscriber that only looks must hold up no publisher, and hear those that are best effort, too.
 _PROFILE = QoSProfile(depth=200, reliability=ReliabilityPolicy.BEST_EFFORT)
 _LATCHED_PROFILE = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -57,7 +57,7 @@ class Watch:
         self._executor = SingleThreadedExecutor(context=node.context)
         self._executor.add_node(node)
         self._listen_in(selection.namespace or ROOT)
-        node.create_subscription(DiagnosticArray, DIAGNOSTICS, self._diagnose, 10, raw=True)
+        node.create_subscription(DiagnosticArray, DIAGNOSTICS, self._diagnose, _PROFILE, raw=True)
 
     def spin(self, seconds: float) -> None:
         """Listen for a while."""

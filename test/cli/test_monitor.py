@@ -51,6 +51,15 @@ def test_every_topic_and_task_is_shown():
     assert found['diagnostics']['Link']['message'] == f'{cable.path} is open'
 
 
+def test_publishers_that_are_best_effort():
+    """A reliable subscription would get nothing from them."""
+    topics = ('/imu/data', '/diagnostics')
+    overrides = {f'qos_overrides.{topic}.publisher.reliability': 'best_effort'
+                 for topic in topics}
+    with PtyPort() as cable, driver(cable.path, **overrides), Device(cable):
+        watched_until((f'{cable.path} is open', 'imu/data '))
+
+
 def test_without_a_driver():
     """It says so, and the exit status is not 0."""
     with running('bahrs', 'monitor', '--duration', '1', '--namespace', 'nobody') as monitor:

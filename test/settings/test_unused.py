@@ -121,6 +121,8 @@ def test_nothing_is_listed_for_nothing(monkeypatch, capfd):
                  '-p', 'time.sync_pulse.reference:=pulses', '-p', 'stddev.velocity:=1',
                  '-p', 'qos_overrides./pulses.subscription.depth:=5',
                  '-p', 'publish.raw:=true', '-p', 'qos_overrides./raw.publisher.depth:=5',
+                 '-p', 'qos_overrides./nvm/page.publisher.reliability:=best_effort',
+                 '-p', 'qos_overrides./integrity.publisher.depth:=5',
                  ) == (0, [])
 
 
