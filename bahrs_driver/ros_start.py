@@ -35,8 +35,11 @@ class RosStartError(Exception):
 def middlewares(environment: Mapping[str, str], python: Path = Path(sys.prefix)) -> list[str]:
     """Return the middlewares that are installed; none where that cannot be found out."""
     prefixes = [Path(item) for item in environment.get('AMENT_PREFIX_PATH', '').split(':') if item]
-    return sorted({file.name for prefix in prefixes or [python]
-                   for file in (prefix / _MIDDLEWARES).glob('rmw_*') if file.name != CHOOSER})
+    found: set[str] = set()
+    for prefix in prefixes or [python]:
+        with contextlib.suppress(OSError, ValueError):      # a prefix may be any text
+            found.update(os.listdir(prefix / _MIDDLEWARES))
+    return sorted(name for name in found if name.startswith('rmw_') and name != CHOOSER)
 
 
 def check_import(environment: Mapping[str, str] = os.environ) -> None:

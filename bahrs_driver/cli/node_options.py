@@ -25,10 +25,7 @@ def add_node_options(parser: argparse.ArgumentParser) -> None:
 
 def selected_node(options: argparse.Namespace) -> Selection:
     """Return which driver the options mean; CommandError if they contradict or are no names."""
-    text = options.namespace
-    if text is None:
-        text = ros_arguments.namespace(options.ros_arguments)
-    namespace = '' if text is None else checked_namespace(text) or ROOT
+    namespace = selected_namespace(options)
     if '/' not in options.node:
         if options.node:
             _check_node_name(options.node)
@@ -37,12 +34,20 @@ def selected_node(options: argparse.Namespace) -> Selection:
     if options.node.startswith('/'):
         within = checked_namespace(within) or ROOT
         if options.namespace is not None and within != namespace:
-            raise CommandError(f'--node {options.node} is not in --namespace {text}: leave one '
-                               'of them out')
+            raise CommandError(f'--node {options.node} is not in --namespace {namespace}: leave '
+                               'one of them out')
     else:
         within = checked_namespace(f"{namespace.rstrip('/')}/{within}")
     _check_node_name(name)
     return Selection(name, within)
+
+
+def selected_namespace(options: argparse.Namespace) -> str:
+    """Return the namespace that is asked for, / for the root; empty for any."""
+    text = options.namespace
+    if text is None:
+        text = ros_arguments.namespace(options.ros_arguments)
+    return '' if text is None else checked_namespace(text) or ROOT
 
 
 def several_nodes(names: Sequence[str]) -> CommandError:

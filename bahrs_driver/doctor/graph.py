@@ -1,15 +1,20 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Who publishes and who listens on the driver's topics, and whether they can understand."""
+"""Which drivers run, who listens to their topics, and whether they can understand."""
 
+from collections import Counter
 from collections.abc import Iterator
 from itertools import product
+import shlex
 import time
 from typing import Any
 
 from bahrs_driver.convert.bahrs import TOPICS as BAHRS_TOPICS
 from bahrs_driver.convert.titan_m import TOPICS as TITAN_TOPICS
+from bahrs_driver.doctor.commands import RUN_DRIVER, run_driver
 from bahrs_driver.doctor.finding import advice, Finding, good, problem
+from bahrs_driver.driver_graph import find_drivers, node_names, published
+from bahrs_driver.node_names import full_name
 from rclpy.node import Node
 from rclpy.qos import qos_check_compatible, QoSCompatibility
 
@@ -17,35 +22,64 @@ TOPICS = {**BAHRS_TOPICS, **TITAN_TOPICS}
 DISCOVERY_TIME = 2.0        # s
 PATIENCE = 4.0              # s more, on a busy machine, before there is said to be no driver
 DIAGNOSTICS = '/diagnostics'
+OF_EVERY_NODE = ('/rosout', '/parameter_events')
 _POLICIES = ('reliability', 'durability')
 
 
-def look(node: Node, port: str, seconds: float = DISCOVERY_TIME) -> Iterator[Finding]:
+def look(node: Node, port: str, seconds: float = DISCOVERY_TIME, command: str = '',
+         namespace: str = '') -> Iterator[Finding]:
     """
-    Yield what is so about the topics of the driver in the namespace of a node.
+    Yield what is so about all drivers, or those of a namespace, as a node sees them.
 
-    port is that of the device, for the command that starts a driver.
+    command is the one that starts a driver for the device on the port. Topics below the node's
+    own namespace are looked at, too, whoever publishes them.
     """
     time.sleep(seconds)             # what is there can only be waited for
-    topics = [node.resolve_topic_name(name) for name in TOPICS]
     end = time.monotonic() + PATIENCE
-    while not (offered := _offered(node, topics)) and time.monotonic() < end:
+    while not (found := _publishers(node, namespace)) and time.monotonic() < end:
         time.sleep(0.1)
-        if _offered(node, topics):      # late: so will be the others
+        if _publishers(node, namespace):        # late: so will be the others
             time.sleep(seconds)
-    if not offered:
-        yield advice('driver', 'no driver is heard: nothing to compare subscribers with',
-                     f'ros2 run bahrs_driver driver_node --ros-args -p port:={port}')
+    if not found:
+        yield _no_driver(node, namespace, command or run_driver(port))
         return
-    yield good('driver', f'publishes {len(offered)} topics')
-    wrong = [finding for name in [*offered, DIAGNOSTICS] for finding in _topic(node, name)]
+    for name, topics in found.items():
+        yield good('driver', f'{name} publishes {len(topics)} topics'.lstrip())
+    wrong = [*_shared_names(node, found),
+             *(finding for topic in dict.fromkeys([*sum(found.values(), []), DIAGNOSTICS])
+               for finding in _topic(node, topic))]
     yield from wrong
     if not wrong:
         yield good('subscribers', 'all fit what the driver publishes')
 
 
-def _offered(node: Node, topics: list[str]) -> list[str]:
-    return [name for name in topics if node.get_publishers_info_by_topic(name)]
+def _publishers(node: Node, namespace: str) -> dict[str, list[str]]:
+    """Return the topics of each driver; without a name those that a driver might publish."""
+    drivers = {name: [topic for topic, _ in published(node, name)
+                      if topic not in (*OF_EVERY_NODE, DIAGNOSTICS)]
+               for name in find_drivers(node, namespace)}
+    known = set(sum(drivers.values(), []))
+    others = [topic for topic in map(node.resolve_topic_name, TOPICS)
+              if topic not in known and node.get_publishers_info_by_topic(topic)]
+    return {**drivers, **({'': others} if others else {})}
+
+
+def _no_driver(node: Node, namespace: str, command: str) -> Finding:
+    others = find_drivers(node)
+    if not others:
+        return advice('driver', 'no driver is heard: nothing to compare subscribers with', command)
+    return advice('driver', f'no driver is heard in namespace {namespace}, but '
+                            f'{" and ".join(others)} elsewhere',
+                  shlex.join(['bahrs', 'monitor', '--node', others[0]]))
+
+
+def _shared_names(node: Node, drivers: dict[str, list[str]]) -> Iterator[Finding]:
+    count = Counter(node_names(node))
+    for name in drivers:
+        if count[name] > 1:
+            yield problem('driver', f'{count[name]} nodes are named {name}: their diagnostics '
+                                    'cannot be told apart', f'{RUN_DRIVER} --ros-args '
+                                    '-r __node:=other')
 
 
 def _topic(node: Node, topic: str) -> Iterator[Finding]:
@@ -53,7 +87,7 @@ def _topic(node: Node, topic: str) -> Iterator[Finding]:
     if len(publishers) > 1 and topic != DIAGNOSTICS:
         names = ' and '.join(sorted(_name(info) for info in publishers))
         yield problem('publishers', f'{names} both publish {topic}: give one of them a namespace',
-                      'ros2 run bahrs_driver driver_node --ros-args -r __ns:=/left')
+                      f'{RUN_DRIVER} --ros-args -r __ns:=/left')
     for publisher, subscriber in product(publishers[:1],
                                          node.get_subscriptions_info_by_topic(topic)):
         yield from _pair(topic, publisher, subscriber)
@@ -63,7 +97,7 @@ def _pair(topic: str, publisher: Any, subscriber: Any) -> Iterator[Finding]:
     if publisher.topic_type != subscriber.topic_type:
         yield problem('subscribers', f'{_name(subscriber)} takes {topic} for a '
                                      f'{subscriber.topic_type}: it is a {publisher.topic_type}',
-                      f'ros2 topic info --verbose {topic}')
+                      shlex.join(['ros2', 'topic', 'info', '--verbose', topic]))
         return
     fits, _ = qos_check_compatible(publisher.qos_profile, subscriber.qos_profile)
     if fits != QoSCompatibility.ERROR:
@@ -75,9 +109,9 @@ def _pair(topic: str, publisher: Any, subscriber: Any) -> Iterator[Finding]:
             yield problem(
                 'subscribers', f'{_name(subscriber)} hears nothing of {topic}: it wants '
                 f'{policy} {wanted.short_key}, the driver offers {offered.short_key}',
-                'ros2 run bahrs_driver driver_node --ros-args -p '
-                f'qos_overrides.{topic}.publisher.{policy}:={wanted.short_key}')
+                f'{RUN_DRIVER} --ros-args -p '
+                + shlex.quote(f'qos_overrides.{topic}.publisher.{policy}:={wanted.short_key}'))
 
 
 def _name(info: Any) -> str:
-    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+    return full_name(info.node_name, info.node_namespace)

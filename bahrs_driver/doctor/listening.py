@@ -7,10 +7,12 @@ A BAHRS sends by itself, so it is enough to listen, and nothing is written. A Ti
 it is asked if the user wants that.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
+import shlex
 import time
 from typing import NamedTuple
 
+from bahrs_driver.doctor.commands import run_doctor, run_driver
 from bahrs_driver.doctor.finding import Finding, good, problem
 from bahrs_driver.link import Link, LinkError
 from bahrs_driver.protocol.bahrs_frames import BahrsFormat
@@ -73,38 +75,43 @@ def _enough(framers: Mapping[str, Framer], asked: int) -> bool:
 
 
 def look(port: str, asked_rate: int, seconds: float = LISTEN_TIME, ask: bool = False,
-         rates: Sequence[int] = BAUD_RATES) -> Iterator[Finding]:
-    """Yield which device speaks, at the rate that is asked for or else at which other."""
+         rates: Sequence[int] = BAUD_RATES) -> Generator[Finding, None, Heard | None]:
+    """
+    Yield which device speaks, at the rate that is asked for or else at which other.
+
+    The generator returns what was heard, if a device was recognised.
+    """
     try:
         first = listen(port, asked_rate, seconds, ask)
         if first.device:
             yield _described(first)
-            return
+            return first
         if not first.bytes_received and not ask:
             yield problem('device', f'nothing arrives on {port}: a BAHRS sends by itself, so look '
                                     'at its power and at the line from its output; a Titan-M '
-                                    'must be asked', f'bahrs doctor --port {port} --ask')
-            return
+                                    'must be asked', run_doctor(port, asked_rate, ask=True))
+            return None
         for rate in rates:
             if rate != asked_rate and (heard := listen(port, rate, seconds, ask)).device:
                 yield problem('device', f'a {heard.device} speaks at {rate} baud, not at '
                                         f'{asked_rate}',
-                              'ros2 run bahrs_driver driver_node --ros-args -p '
-                              f'sensor:={heard.sensor} -p port:={port} -p baud_rate:={rate}')
+                              run_driver(port, heard.sensor, rate))
                 yield _described(heard)
-                return
+                return heard
     except (LinkError, ValueError) as error:
-        yield problem('device', f'cannot listen: {error}', f'bahrs doctor --port {port}')
-        return
+        yield problem('device', f'cannot listen: {error}', run_doctor(port, asked_rate))
+        return None
     if not first.bytes_received:
         yield problem('device', f'nothing arrives on {port}, though a Titan-M was asked at all '
                                 'usual rates: look at its power and at both lines, then ask again',
-                      f'bahrs doctor --port {port} --ask')
-        return
+                      run_doctor(port, asked_rate, ask=True))
+        return None
     yield problem('device', f'{first.bytes_received:,} bytes arrive at {asked_rate} baud, but no '
                             'frame of a BAHRS or Titan-M, at no usual rate: it is another device, '
                             'or the line is inverted or noisy; look at the bytes',
-                  f'stty -F {port} {asked_rate} raw && timeout 1 xxd {port} | head')
+                  f'stty -F {shlex.quote(port)} {asked_rate} raw && '
+                  f'timeout 1 xxd {shlex.quote(port)} | head')
+    return None
 
 
 def _described(heard: Heard) -> Finding:

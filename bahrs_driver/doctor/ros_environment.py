@@ -3,6 +3,7 @@
 """Whether nodes started here find ROS, this package, and each other."""
 
 from collections.abc import Iterator, Mapping
+import os
 from pathlib import Path
 import re
 
@@ -51,7 +52,7 @@ def _distribution(environment: Mapping[str, str], prefixes: list[Path]) -> Itera
 
 def _package(prefixes: list[Path]) -> Iterator[Finding]:
     index = f'share/ament_index/resource_index/packages/{PACKAGE}'
-    where = next((prefix for prefix in prefixes if (prefix / index).exists()), None)
+    where = next((prefix for prefix in prefixes if os.path.exists(prefix / index)), None)
     if where:
         yield good('package', f'{PACKAGE} is in {where}')
     else:

@@ -2,10 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Is the port there, may it be opened, who has it, and how is its adapter set up."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 import os
+import shlex
 import stat
 
+from bahrs_driver.doctor.commands import run_doctor, run_driver
 from bahrs_driver.doctor.finding import advice, Finding, good, problem
 from bahrs_driver.doctor.machine import Machine
 
@@ -20,7 +22,7 @@ OUR_DRIVER = 'driver_node'
 
 def install_rule(rule: str) -> str:
     """Return the command that installs the udev rule, found at a path."""
-    return (f'sudo cp {rule} /etc/udev/rules.d/ && sudo udevadm control --reload && '
+    return (f'sudo cp {shlex.quote(rule)} /etc/udev/rules.d/ && sudo udevadm control --reload && '
             'sudo udevadm trigger')
 
 
@@ -33,8 +35,18 @@ def candidates(machine: Machine) -> list[str]:
 
 def look(machine: Machine, port: str, rule: str) -> Iterator[Finding]:
     """Yield what is so about a port that is a path; rule is where the udev rule is."""
+    yield from look_at_port(machine, port, rule)
+    yield from look_at_name(machine, port, rule)
+
+
+def look_at_port(machine: Machine, port: str, rule: str) -> Iterator[Finding]:
+    """Yield whether a port is there, may be opened and is free, and how its adapter is set up."""
     try:
         info = os.stat(machine.path(port))
+    except PermissionError:
+        yield problem('access', f'user {machine.user.name} may not look into the folder of '
+                                f'{port}', f'namei -l {shlex.quote(port)}')
+        return
     except OSError:
         yield _missing(machine, port)
         return
@@ -44,14 +56,13 @@ def look(machine: Machine, port: str, rule: str) -> Iterator[Finding]:
     yield from _busy(machine, port, device)
     yield from _modem_manager(machine, device, rule)
     yield from _latency(machine, device)
-    yield from _stable_name(machine, port, device, rule)
 
 
 def _missing(machine: Machine, port: str) -> Finding:
     others = candidates(machine)
     if others:
         return problem('port', f'{port} does not exist, but {", ".join(others)} does',
-                       f'bahrs doctor --port {others[0]}')
+                       run_doctor(others[0]))
     for name in machine.names('/sys/bus/usb/devices'):
         driver = DRIVERS.get(machine.read(f'{name}/idVendor') or '')
         if driver:
@@ -80,14 +91,15 @@ def _access(machine: Machine, port: str, info: os.stat_result) -> Finding:
     if not group_may:
         return problem('access', f'user {user.name} may not open {port}: its mode is '
                                  f'{stat.filemode(mode)}',
-                       f'sudo chgrp dialout {port} && sudo chmod 660 {port}')
+                       f'sudo chgrp dialout {shlex.quote(port)} && '
+                       f'sudo chmod 660 {shlex.quote(port)}')
     if machine.is_member(info.st_gid):
         return problem('access', f'user {user.name} is in group {group}, but was not when this '
                                  'session began: log in again, or go on in another shell',
-                       f'newgrp {group}')
+                       f'newgrp {shlex.quote(group)}')
     return problem('access', f'user {user.name} may not open {port}: it belongs to group {group}; '
                              'join it and log in again',
-                   f'sudo usermod -aG {group} {user.name}')
+                   f'sudo usermod -aG {shlex.quote(group)} {shlex.quote(user.name)}')
 
 
 def _busy(machine: Machine, port: str, device: str) -> Iterator[Finding]:
@@ -132,11 +144,15 @@ def _latency(machine: Machine, device: str) -> Iterator[Finding]:
         yield good('latency timer', 'is 1 ms')
     else:
         yield advice('latency timer', f'is {timer} ms: data comes so much later than it could; '
-                                      'stamps do not suffer', f'echo 1 | sudo tee {file}')
+                                      'stamps do not suffer',
+                     f'echo 1 | sudo tee {shlex.quote(file)}')
 
 
-def _stable_name(machine: Machine, port: str, device: str, rule: str) -> Iterator[Finding]:
-    if not os.path.basename(device).startswith(PORTS):
+def look_at_name(machine: Machine, port: str, rule: str,
+                 run: Callable[[str], str] = run_driver) -> Iterator[Finding]:
+    """Yield whether a port has a stable name; run is the command that starts a driver on one."""
+    device = machine.resolved(port)
+    if not os.path.basename(device).startswith(PORTS) or not os.path.exists(machine.path(port)):
         return
     if port != device:
         yield good('name', 'does not change when devices are plugged in in another order')
@@ -144,8 +160,7 @@ def _stable_name(machine: Machine, port: str, device: str, rule: str) -> Iterato
     stable = [name for name in machine.names(BY_ID) if machine.resolved(name) == device]
     if stable:
         yield advice('name', f'{port} may be another device after the next plug: {stable[0]} is '
-                             'always this one', 'ros2 run bahrs_driver driver_node --ros-args -p '
-                     f'port:={stable[0]}')
+                             'always this one', run(stable[0]))
     else:
         yield advice('name', f'{port} may be another device after the next plug, and it has no '
                              'stable name', install_rule(rule))

@@ -7,7 +7,8 @@ import subprocess
 
 from bahrs_driver.emulator.pty_port import PtyPort
 from devices import Device
-from processes import command
+from processes import command, running, wait_for
+import pytest
 
 
 def doctor(*words):
@@ -52,3 +53,45 @@ def test_a_domain_that_is_none(monkeypatch):
     status, text = doctor('--no-listen')
     assert status == 1
     assert "problem domain: ROS_DOMAIN_ID is 'abc'" in text
+
+
+def test_a_titan_m_that_is_found(tmp_path):
+    """Every command that starts a driver says which sensor it is."""
+    port = str(tmp_path / 'port')
+    with running('bahrs', 'emulate', '--sensor', 'titan_m', '--link', port) as emulator:
+        assert wait_for(lambda: emulator.lines, 60)
+        status, text = doctor('--port', port, '--ask', '--json')
+    commands = [item['command'] for item in json.loads(text) if 'driver_node' in item['command']]
+    assert commands and all('-p sensor:=titan_m ' in command for command in commands)
+    assert status == 0, text
+
+
+@pytest.mark.parametrize('words', [['/dev/nowhere'], ['--port', '/dev/nowhere'],
+                                   ['/dev/nowhere', '--port', '/dev/nowhere']])
+def test_a_port_is_named_with_or_without_its_option(words):
+    """As other commands take it."""
+    status, text = doctor(*words, '--no-listen')
+    assert status == 1 and text.startswith('problem port: /dev/nowhere does not exist')
+
+
+def test_two_ports():
+    """One of them must be meant."""
+    done = subprocess.run(command('bahrs', 'doctor', '/dev/a', '--port', '/dev/b'),
+                          capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 1
+    assert done.stderr == "bahrs doctor: '/dev/a' and --port '/dev/b' are two ports: name one\n"
+
+
+def test_names_that_command_terminals_or_shells(tmp_path, monkeypatch):
+    """They are written out, and quoted in commands."""
+    odd = 'usb-\x1bc; reboot\n'
+    by_id = tmp_path / 'dev/serial/by-id'
+    by_id.mkdir(parents=True)
+    (tmp_path / 'dev/ttyUSB0').touch()
+    (by_id / odd).symlink_to('../../ttyUSB0')
+    monkeypatch.setenv('ROS_DISTRO', '\x1b[2J')
+    _, text = doctor('--root', str(tmp_path), '--no-listen', '/dev/ttyUSB0')
+    assert '\x1b' not in text and r'usb-\x1bc; reboot\x0a' in text
+    assert all(line.startswith(('ok', 'advice', 'problem', ' ' * 8)) for line in text.splitlines())
+    (command_line,) = (line for line in text.splitlines() if 'reboot' in line and '->' in line)
+    assert "-p 'port:=/dev/serial/by-id/usb-" in command_line

@@ -6,7 +6,8 @@ import contextlib
 
 from bahrs_driver.doctor.finding import Level
 from bahrs_driver.doctor.graph import look
-from processes import wait_for
+from bahrs_driver.driver_graph import find_drivers, node_names
+from processes import running, wait_for
 import pytest
 import rclpy
 from rclpy.context import Context
@@ -90,3 +91,32 @@ def test_two_drivers(node):
     node.create_publisher(Imu, 'imu/data', 100)
     finding = findings(node, 2, 0)['publishers']
     assert finding.level is Level.PROBLEM and 'both publish' in finding.message
+
+
+def test_a_driver_elsewhere(node):
+    """Which is no reason to start another one."""
+    with running('driver_node', '--ros-args', '-p', 'port:=/nowhere', '-r', '__ns:=/left',
+                 '-r', '__node:=front'):
+        assert wait_for(lambda: '/left/front' in find_drivers(node), 60)
+        found = list(look(node, '/dev/ttyUSB7', 0.0))
+        (driver,) = (finding for finding in found if finding.check == 'driver')
+        assert driver.level is Level.OK
+        assert driver.message.startswith('/left/front publishes ')
+        assert not any('driver_node' in finding.command for finding in found)
+        (driver,) = look(node, '/dev/ttyUSB7', 0.0, namespace='/right')
+        assert driver.message == ('no driver is heard in namespace /right, but /left/front '
+                                  'elsewhere')
+        assert driver.command == 'bahrs monitor --node /left/front'
+
+
+def test_two_drivers_of_one_name(node):
+    """Their diagnostics would be mixed."""
+    with contextlib.ExitStack() as stack:
+        for _ in range(2):
+            stack.enter_context(running('driver_node', '--ros-args', '-p', 'port:=/nowhere',
+                                        '-r', '__ns:=/left'))
+        assert wait_for(lambda: node_names(node).count('/left/bahrs_driver') == 2
+                        and find_drivers(node), 60)
+        messages = [finding.message for finding in look(node, '/dev/ttyUSB7', 0.0)]
+    assert '2 nodes are named /left/bahrs_driver: their diagnostics cannot be told apart' \
+        in messages

@@ -76,3 +76,15 @@ def test_a_device_that_answers(tmp_path):
         assert silent.command == f'bahrs doctor --port {port} --ask'
         (found,) = look(port, 115200, seconds=30.0, ask=True)
     assert found.level is Level.OK and 'a Titan-M answers at 115200 baud' in found.message
+
+
+def test_what_was_heard_is_returned(heard):
+    """For the commands that follow."""
+    heard.speaks_at = 57600
+    found = []
+
+    def note():
+        found.append((yield from look('/dev/ttyUSB0', 115200)))
+
+    assert len(list(note())) == 2
+    assert (found[0].sensor, found[0].baud_rate) == ('bahrs', 57600)

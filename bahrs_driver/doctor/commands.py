@@ -1,0 +1,21 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Commands to suggest: safe to paste into a shell, whatever names are in them."""
+
+import shlex
+
+RUN_DRIVER = 'ros2 run bahrs_driver driver_node'
+USUAL_SENSOR, USUAL_BAUD_RATE = 'bahrs', 115200
+
+
+def run_driver(port: str, sensor: str = USUAL_SENSOR, baud_rate: int = USUAL_BAUD_RATE) -> str:
+    """Return the command that starts a driver, with what differs from its defaults."""
+    rules = [*([f'sensor:={sensor}'] if sensor != USUAL_SENSOR else []), f'port:={port}',
+             *([f'baud_rate:={baud_rate}'] if baud_rate != USUAL_BAUD_RATE else [])]
+    return f'{RUN_DRIVER} --ros-args ' + ' '.join(f'-p {shlex.quote(rule)}' for rule in rules)
+
+
+def run_doctor(port: str, baud_rate: int = USUAL_BAUD_RATE, ask: bool = False) -> str:
+    """Return the command that looks at a port."""
+    rate = ['--baud-rate', str(baud_rate)] if baud_rate != USUAL_BAUD_RATE else []
+    return shlex.join(['bahrs', 'doctor', '--port', port, *rate, *(['--ask'] if ask else [])])

@@ -1,0 +1,74 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the doctor on machines whose names, files and variables hold anything."""
+
+import os
+from pathlib import Path
+import shlex
+import tempfile
+
+from bahrs_driver.doctor import ros_environment, ros_logging
+from bahrs_driver.doctor.commands import run_doctor, run_driver
+from bahrs_driver.doctor.machine import Machine, User
+from bahrs_driver.doctor.usb_port import look
+from bahrs_driver.printable import printable
+from hypothesis import given, settings, strategies as st
+
+ODD = ['\x1bc', '\n', '; reboot', '$(reboot)', "'", '"', '[bold]', '\udcff', '-rf', '~', ' ']
+TEXTS = st.one_of(st.sampled_from(ODD), st.text(
+    st.characters(blacklist_characters='\0', blacklist_categories=['Cs']), max_size=12))
+NAMES = st.one_of(st.sampled_from(ODD), st.text(
+    st.characters(blacklist_characters='\0/', blacklist_categories=['Cs']), min_size=1,
+    max_size=12)).filter(lambda name: name not in ('.', '..'))
+LONG = '/x' * 3000
+CONTENTS = st.one_of(st.binary(max_size=40), TEXTS.map(os.fsencode))
+FILES = st.dictionaries(
+    st.sampled_from(['sys/class/tty/ttyUSB0/dev', 'proc/7/comm', 'proc/7/cmdline',
+                     'run/udev/data/c188:0', 'sys/bus/usb/devices/1-2/idVendor',
+                     'sys/bus/usb-serial/devices/ttyUSB0/latency_timer', 'proc/x7/comm']),
+    CONTENTS)
+
+
+def are_safe(findings):
+    """Assert that findings can be shown, and their commands pasted into a shell."""
+    for finding in findings:
+        assert printable(finding.message, 2000).isprintable()
+        assert finding.command == '' or shlex.split(finding.command)
+        assert 'reboot' not in shlex.split(finding.command)
+
+
+@settings(max_examples=100)
+@given(name=NAMES, files=FILES, port=st.sampled_from(['/dev/ttyUSB0', '/dev/{}', '/dev/x' + LONG]))
+def test_any_machine(name, files, port):
+    """Descriptors of adapters become names of links, and processes call themselves anything."""
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder)
+        links = root / 'dev/serial/by-id'
+        links.mkdir(parents=True)
+        (root / 'dev/ttyUSB0').touch()
+        (links / name).symlink_to('../../ttyUSB0')
+        for file, content in files.items():
+            (root / file).parent.mkdir(parents=True, exist_ok=True)
+            (root / file).write_bytes(content)
+        for user in (User('pilot', 4711, frozenset()), User('root', 0, frozenset())):
+            machine = Machine(root, user, {})
+            are_safe(look(machine, port.format(name), f'/{name}/99-bahrs.rules'))
+
+
+@given(variables=st.dictionaries(
+    st.sampled_from(['AMENT_PREFIX_PATH', 'ROS_DISTRO', 'RMW_IMPLEMENTATION', 'ROS_DOMAIN_ID',
+                     'ROS_LOCALHOST_ONLY', 'ROS_AUTOMATIC_DISCOVERY_RANGE', 'ROS_LOG_DIR',
+                     'RCUTILS_COLORIZED_OUTPUT', 'HOME']),
+    st.one_of(TEXTS, st.just(LONG), TEXTS.map(lambda text: f'/opt/ros/{text}:/opt/ros/jazzy'))),
+    has_rclpy=st.booleans())
+def test_any_environment(variables, has_rclpy):
+    """Variables come from the user's shell, and from whatever set them there."""
+    are_safe(ros_environment.look(variables, has_rclpy, Path('/nowhere')))
+    are_safe(ros_logging.look(variables))
+
+
+@given(port=st.one_of(NAMES, TEXTS).filter(bool), rate=st.integers(1, 10 ** 7))
+def test_commands_name_the_port_as_it_is(port, rate):
+    """One argument each, for a shell."""
+    assert f'port:={port}' in shlex.split(run_driver(port, 'titan_m', rate))
+    assert port in shlex.split(run_doctor(port, rate))
