@@ -9,9 +9,9 @@ import sys
 import time
 
 from bahrs_driver.cli.arguments import a_number, checked, positive
-from bahrs_driver.cli.sensors import sensor_of
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.files import binary_input, STANDARD_INPUT
+from bahrs_driver.cli.sensors import sensor_of
 from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.emulator.cable import adapter_mode, AT_ONCE, Cable
 from bahrs_driver.emulator.faults import Faults, NAMES as FAULTS, parse_fault

@@ -102,7 +102,8 @@ def test_csv_has_no_number_for_what_is_not_available(capsys, inertial, navigatio
 
 def test_csv_has_no_time_that_is_not_known(capsys):
     """A device that has none yet sends zeros."""
-    messages = (NavigationTime(0, 0, 0), InertialTime(0, 0, 5000), Accuracy(0, None, None, None, 0),
+    messages = (NavigationTime(0, 0, 0), InertialTime(0, 0, 5000),
+                Accuracy(0, None, None, None, 0),
                 SyncPulseTime(0, 77))
     rows = in_process(capsys, b''.join(BahrsCodec().encode(item, 3) for item in messages))
     assert [row['device_time_us'] for row in rows] == ['', '5000', '', '77']

@@ -14,7 +14,7 @@ from processes import command, running, wait_for
 import pytest
 from rosbags.rosbag2 import Reader
 
-# Bytes that are no UTF-8, an escape sequence, a line feed, markup of rich, and a mark that mirrors.
+# Bytes that are no UTF-8, an escape sequence, a line feed, markup of rich, a mark that mirrors.
 NAME, SHOWN = b'\xff\x1b[31m\n[bold]\xe2\x80\xae', r'\xff\x1b[31m\x0a[bold]\u202e'
 NAMES = [NAME, b'\x1bc', b'-\xc3\xa4 \xed\xa0\x80']
 
