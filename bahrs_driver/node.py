@@ -10,6 +10,7 @@ from typing import Any
 
 from bahrs_driver.convert import raw
 from bahrs_driver.diagnostics.framing_task import FramingTask
+from bahrs_driver.diagnostics.guarded_task import GuardedTask
 from bahrs_driver.diagnostics.link_task import LinkTask
 from bahrs_driver.diagnostics.monitor import Monitor
 from bahrs_driver.diagnostics.names import node_label
@@ -88,7 +89,7 @@ class DriverNode(Node):
         self.create_timer(WATCH_PERIOD, self._watch, clock=steady)
         self.create_service(SelfTest, '~/self_test', self._self_test)
         if sensor.nvm:
-            self._nvm_services = NvmServices(self, sensor.nvm)
+            self._nvm_services = NvmServices(self, sensor.nvm, self.faults)
         for sentence in (*given.warnings(), *sensor.warnings):
             self._log.warning(sentence)
 
@@ -235,8 +236,9 @@ class DriverNode(Node):
             self._time_task,
             *sensor.health.tasks,
             PublishingTask(self._counts, sensor.silence_timeout, self.faults)]
-        return Monitor(tasks, node_label(self.get_name(), self.get_namespace(),
-                                         settings['diagnostics.qualified_name']),
+        return Monitor([GuardedTask(task, self.faults) for task in tasks],
+                       node_label(self.get_name(), self.get_namespace(),
+                                  settings['diagnostics.qualified_name']),
                        self._link.name)
 
     def _make_problem_log(self) -> ProblemLog:

@@ -14,6 +14,7 @@ import json
 from typing import Any
 
 from bahrs_driver.convert import nvm_page
+from bahrs_driver.fault_log import FaultLog
 from bahrs_driver.files.guard import WriteError
 from bahrs_driver.nvm_dump import dump_file
 from bahrs_driver.nvm_reader import NvmError, NvmReader, SessionOptions
@@ -30,10 +31,11 @@ Answer = dict[str, Any]
 class NvmServices:
     """Answers requests for pages, and publishes every page that was read."""
 
-    def __init__(self, node: Node, reader: NvmReader) -> None:
-        """Make the services and the topic `nvm/page` on a node that has the nvm parameters."""
+    def __init__(self, node: Node, reader: NvmReader, faults: FaultLog) -> None:
+        """Create the services and the topic `nvm/page` on a node that has the nvm parameters."""
         self._node = node
         self._reader = reader
+        self._faults = faults
         self._pages = node.create_publisher(
             UInt8MultiArray, nvm_page.TOPIC, PAGES,
             qos_overriding_options=QoSOverridingOptions.with_default_policies())
@@ -52,8 +54,8 @@ class NvmServices:
             except (NvmError, WriteError) as error:
                 content = {'error': str(error)}
             except Exception as error:
-                self._node.get_logger().error(f'an NVM service failed: {error!r}')
-                content = {'error': f'the request failed: {error!r}'}
+                self._faults.report('an NVM service', error)
+                content = {'error': f'the request failed: {self._faults.last}'}
             response.success = 'error' not in content
             response.message = json.dumps(content)
             return response

@@ -28,7 +28,7 @@ MAY_IMPORT = {
     'nvm_reader': {'link', 'protocol'},
     'requester': {'link', 'clock', 'protocol'},
     'nvm_dump': {'files'},
-    'nvm_services': {'convert', 'files', 'nvm_dump', 'nvm_reader', 'protocol'},
+    'nvm_services': {'fault_log', 'convert', 'files', 'nvm_dump', 'nvm_reader', 'protocol'},
     'sensors': {'clock', 'convert', 'diagnostics', 'nvm_reader', 'receiver', 'requester',
                 'sensors', 'link', 'protocol'},
     'diagnostics': {'clock', 'diagnostics', 'fault_log', 'node_names', 'receiver', 'link',
