@@ -11,6 +11,7 @@ from typing import Any
 
 from bahrs_driver.convert.bahrs import TOPICS as BAHRS_TOPICS
 from bahrs_driver.convert.titan_m import TOPICS as TITAN_TOPICS
+from bahrs_driver.doctor import reports
 from bahrs_driver.doctor.commands import RUN_DRIVER, run_driver
 from bahrs_driver.doctor.finding import advice, Finding, good, problem
 from bahrs_driver.driver_graph import find_drivers, node_names, published
@@ -45,6 +46,7 @@ def look(node: Node, port: str, seconds: float = DISCOVERY_TIME, command: str = 
         return
     for name, topics in found.items():
         yield good('driver', f'{name} publishes {len(topics)} topics'.lstrip())
+    yield from reports.look(node, [name for name in found if name])
     wrong = [*_shared_names(node, found),
              *(finding for topic in dict.fromkeys([*sum(found.values(), []), DIAGNOSTICS])
                for finding in _topic(node, topic))]

@@ -10,9 +10,12 @@ import tempfile
 from bahrs_driver.doctor import ros_environment, ros_logging
 from bahrs_driver.doctor.commands import run_doctor, run_driver
 from bahrs_driver.doctor.machine import Machine, User
+from bahrs_driver.doctor.reports import Reports
 from bahrs_driver.doctor.usb_port import look
 from bahrs_driver.printable import printable
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from hypothesis import given, settings, strategies as st
+from rclpy.serialization import serialize_message
 
 ODD = ['\x1bc', '\n', '; reboot', '$(reboot)', "'", '"', '[bold]', '\udcff', '-rf', '~', ' ']
 TEXTS = st.one_of(st.sampled_from(ODD), st.text(
@@ -65,6 +68,28 @@ def test_any_environment(variables, has_rclpy):
     """Variables come from the user's shell, and from whatever set them there."""
     are_safe(ros_environment.look(variables, has_rclpy, Path('/nowhere')))
     are_safe(ros_logging.look(variables))
+
+
+LEVELS = st.binary(min_size=1, max_size=1)
+TEXTS_IN_MESSAGES = st.text(st.characters(blacklist_characters='\0', blacklist_categories=['Cs']),
+                            max_size=12)
+STATUSES = st.builds(
+    DiagnosticStatus, level=LEVELS, message=st.one_of(TEXTS_IN_MESSAGES, st.sampled_from(ODD[:7])),
+    name=st.one_of(TEXTS_IN_MESSAGES, TEXTS_IN_MESSAGES.map('left: {}'.format),
+                   TEXTS_IN_MESSAGES.map('bahrs_driver: x{}'.format)))
+
+
+@given(statuses=st.lists(STATUSES, max_size=20), damage=st.binary(max_size=40))
+def test_any_diagnostics(statuses, damage):
+    """Of a driver, and of others; or bytes that are none."""
+    reports = Reports(['/bahrs_driver', '/left/front'])
+    reports.add(serialize_message(DiagnosticArray(status=[
+        *statuses, DiagnosticStatus(name='bahrs_driver: Link', level=b'\2', message='\x1bc')])))
+    reports.add(damage)
+    findings = list(reports.findings())
+    are_safe(findings)
+    assert any('\x1bc' in finding.message for finding in findings)
+    assert findings[-1].message.startswith('/left/front reports nothing')
 
 
 @given(port=st.one_of(NAMES, TEXTS).filter(bool), rate=st.integers(1, 10 ** 7))

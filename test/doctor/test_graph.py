@@ -103,6 +103,10 @@ def test_a_driver_elsewhere(node):
         assert driver.level is Level.OK
         assert driver.message.startswith('/left/front publishes ')
         assert not any('driver_node' in finding.command for finding in found)
+        (health,) = (finding for finding in found if finding.check == 'health')
+        assert health.level is Level.PROBLEM
+        assert health.message.startswith('/left/front reports: Link: /nowhere does not exist')
+        assert health.command == 'bahrs monitor --node /left/front'
         (driver,) = look(node, '/dev/ttyUSB7', 0.0, namespace='/right')
         assert driver.message == ('no driver is heard in namespace /right, but /left/front '
                                   'elsewhere')
