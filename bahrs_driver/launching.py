@@ -38,7 +38,7 @@ def describe_driver(config: str, sensor: str = '') -> LaunchDescription:
             OpaqueFunction(function=_drop_used_values),
             DeclareLaunchArgument(
                 'port', default_value='',
-                description='serial port: a path, or a pyserial URL (default: as params_file '
+                description='serial port: a path or URL (default: as params_file '
                             'says, or /dev/ttyUSB0)'),
             DeclareLaunchArgument('name', default_value=PACKAGE, description='name of the node'),
             DeclareLaunchArgument('namespace', default_value='',

@@ -69,6 +69,8 @@ class DriverNode(Node):
                                  self.faults)
         self._time_task = TimeTask(sensor.clock, sensor.health.stale)
         self._counts = dict.fromkeys(sensor.topics, 0)
+        self._link_task = LinkTask(self._link, self.receiver.counters, sensor.silence_timeout,
+                                   sensor.silence_hint, self._count_trouble)
         self._monitor = self._make_monitor(settings)
         self._problems = self._make_problem_log()
         self._gate = SubscriberGate(settings['startup.wait_for_subscribers'])
@@ -213,7 +215,12 @@ class DriverNode(Node):
             self._data[topic].publish(message)
             self._counts[topic] += 1
 
+    def _count_trouble(self) -> int:
+        counters = self._sensor.framer.counters
+        return counters.crc_failures + counters.skipped_bytes // 8 + self._sensor.health.lost
+
     def _report(self) -> None:
+        self._link_task.check_sharing(time.monotonic())
         with self._reporting:
             if self._monitor.report_allowed():
                 self._publish_report()
@@ -230,12 +237,12 @@ class DriverNode(Node):
     def _make_monitor(self, settings: Mapping[str, Any]) -> Monitor:
         sensor, counters = self._sensor, self.receiver.counters
         tasks: list[Task] = [
-            LinkTask(self._link, counters, sensor.silence_timeout, sensor.silence_hint),
+            self._link_task,
             FramingTask(sensor.framer, counters, self._link.baud_rate, settings['sensor'],
                         sensor.protocol, settings['diagnostics.damaged_share']),
             self._time_task,
             *sensor.health.tasks,
-            PublishingTask(self._counts, sensor.silence_timeout, self.faults)]
+            PublishingTask(self._counts, sensor.silence_timeout, sensor.latched, self.faults)]
         return Monitor([GuardedTask(task, self.faults) for task in tasks],
                        node_label(self.get_name(), self.get_namespace(),
                                   settings['diagnostics.qualified_name']),
@@ -243,7 +250,7 @@ class DriverNode(Node):
 
     def _make_problem_log(self) -> ProblemLog:
         port, logger = self._link.name, self._log
-        return ProblemLog({'Link': f'{port}: data arrives again',
+        return ProblemLog({'Link': f'{port} is in order again',
                            'Framing': f'{port}: frames arrive intact'},
                           logger.error, logger.info)
 

@@ -18,7 +18,8 @@ PARAMETERS = (
     Parameter('sensor', 'bahrs', 'Which device is on the port.',
               choices=(BAHRS, TITAN_M)),
     Parameter('port', '/dev/ttyUSB0',
-              'Serial port: a path, or a pyserial URL such as socket://host:4001.'),
+              'Serial port: a path, or a URL such as socket://host:4001, rfc2217://host:4001 or '
+              'hwgrep://0403:6001.'),
     Parameter('baud_rate', 115200, 'Speed of the serial line. Always 8N1.', 'baud',
               low=1200, high=4000000),
     Parameter('frame_id', 'imu_link', 'Frame of the sensor, in which body vectors are given.',

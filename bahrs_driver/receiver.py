@@ -165,6 +165,8 @@ class Receiver:
         if self.counters.open_since is not None:
             self.counters.open_since = None
             self._survive('ending a stream', self._end_stream)
+        if self._stopping.is_set():         # which is why it failed
+            return
         self._fail(error)
         self._stopping.wait(self._pause)
         self._pause = min(2 * self._pause, LONGEST_PAUSE)

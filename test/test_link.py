@@ -96,12 +96,12 @@ def test_port_in_use(port):
 def test_what_is_no_serial_port(tmp_path, make):
     """A folder, a file."""
     make(tmp_path / 'thing')
-    assert str(refusal(tmp_path / 'thing')) == f'{tmp_path}/thing is not a serial port'
+    assert str(refusal(tmp_path / 'thing')).startswith(f'{tmp_path}/thing is not a serial port: ')
 
 
 def test_a_device_that_is_no_serial_port():
     """Such as /dev/null."""
-    assert str(refusal('/dev/null')) == '/dev/null is not a serial port'
+    assert str(refusal('/dev/null')).startswith('/dev/null is not a serial port: ')
 
 
 @pytest.fixture
@@ -208,12 +208,13 @@ def test_socket_without_server():
         deaf.bind(('127.0.0.1', 0))
         number = deaf.getsockname()[1]
         assert str(refusal(f'socket://127.0.0.1:{number}')) == (
-            f'socket://127.0.0.1:{number} cannot be opened: Connection refused')
+            f'socket://127.0.0.1:{number} cannot be opened: Connection refused; is the serial '
+            'server running, and is this its TCP port?')
 
 
 def test_unknown_url_is_the_callers_mistake():
     """It will not get better by trying again."""
-    with pytest.raises(ValueError, match="protocol 'foo' not known"):
+    with pytest.raises(ValueError, match='foo:// is not supported'):
         Link('foo://bar', BAUD)
 
 

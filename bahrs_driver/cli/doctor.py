@@ -43,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'that mends it. Nothing is written to the device, but with --ask.')
     parser.epilog = _EXAMPLES
     parser.add_argument('port_given', nargs='?', metavar='PORT',
-                        help='path or pyserial URL (default: the only adapter there is, or '
+                        help='path or URL (default: the only adapter there is, or '
                              f'{DEFAULT_PORT})')
     parser.add_argument('--port', help='the same as PORT')
     parser.add_argument('--baud-rate', type=int, default=115200, metavar='BAUD',

@@ -57,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_force(dump)
     for action in (read, dump):
         action.add_argument('--port', default='/dev/ttyUSB0',
-                            help='path or pyserial URL (default: %(default)s)')
+                            help='path or URL, such as socket://host:4001 (default: %(default)s)')
         action.add_argument('--baud-rate', type=int, default=115200, metavar='BAUD',
                             help='(default: %(default)s)')
         action.add_argument('--enter-timeout', type=a_number('a time-out', 0, LONGEST_ENTER),

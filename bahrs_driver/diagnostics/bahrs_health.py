@@ -43,6 +43,11 @@ class BahrsHealth:
         """Return whether the data has ceased, at a time in seconds (monotonic)."""
         return self._rates.stale(now)
 
+    @property
+    def lost(self) -> int:
+        """Messages lost since the start."""
+        return sum(self._rates.lost.values())
+
     def device_id(self) -> str:
         """Return the name that the device gives itself; empty if it did not."""
         return self._device.device_id

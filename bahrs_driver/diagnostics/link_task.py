@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Task *Link*: whether the port is open, and bytes come."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from bahrs_driver.clock import BITS_PER_BYTE
+from bahrs_driver.diagnostics.sharing_watch import SharingWatch
 from bahrs_driver.diagnostics.task import ago, ERROR, OK, Verdict
 from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.link import Link
@@ -17,16 +18,18 @@ class LinkTask:
     name = 'Link'
 
     def __init__(self, link: Link, counters: LinkCounters, silence_timeout: float,
-                 silence_hint: str) -> None:
+                 silence_hint: str, trouble: Callable[[], int]) -> None:
         """
         Watch a link; it is silent after silence_timeout seconds without a byte.
 
-        silence_hint tells the user what to look at when it is.
+        silence_hint tells the user what to look at when it is. trouble returns how many frames
+        were damaged or lost so far, which may be the work of another program.
         """
         self._link = link
         self._counters = counters
         self._silence_timeout = silence_timeout
         self._silence_hint = silence_hint
+        self._sharing = SharingWatch(link, trouble)
         self._window = Window(lambda: (counters.bytes_received,))
 
     def judge(self, now: float) -> Verdict:
@@ -35,9 +38,21 @@ class LinkTask:
         open_since = counters.open_since        # once: the receiver's thread may close it now
         if open_since is None:
             return Verdict(ERROR, counters.error or f'{port} is not open yet')
-        if now - max(open_since, counters.last_data or 0.0) > self._silence_timeout:
-            return Verdict(ERROR, f'{port} is open but silent: {self._silence_hint}')
-        return Verdict(OK, f'{port} is open')
+        if self._silent(open_since, now):
+            names = self._sharing.names(now)
+            return Verdict(ERROR, f'{port} is open but silent: {self._silence_hint}'
+                           + (names and f' Another program has it open, too ({names})'))
+        sharing = self._sharing.sentence(now)
+        return Verdict(ERROR, sharing) if sharing else Verdict(OK, f'{port} is open')
+
+    def check_sharing(self, now: float) -> None:
+        """Look for other programs that read the port, which takes a while; call it at 1 Hz."""
+        open_since = self._counters.open_since
+        if open_since is not None:
+            self._sharing.check(now, self._silent(open_since, now))
+
+    def _silent(self, open_since: float, now: float) -> bool:
+        return now - max(open_since, self._counters.last_data or 0.0) > self._silence_timeout
 
     def values(self, now: float) -> Mapping[str, str]:
         """Return port, traffic and errors."""

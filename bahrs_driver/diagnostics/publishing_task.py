@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Task *Publishing*: how many messages went out on each topic."""
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 
 from bahrs_driver.diagnostics.task import OK, STALE, Verdict, WARN
 from bahrs_driver.fault_log import FaultLog
@@ -16,13 +16,15 @@ class PublishingTask:
     name = 'Publishing'
 
     def __init__(self, counts: Mapping[str, int], timeout: float,
-                 faults: FaultLog | None = None) -> None:
+                 latched: Container[str], faults: FaultLog | None = None) -> None:
         """
         Show the counts, by topic; they are stale after timeout seconds without a change.
 
-        A fault of the driver is shown for a while.
+        Topics that are latched tell of changes, also of the loss of all data, and do not count. A
+        fault of the driver is shown for a while.
         """
         self._counts = counts
+        self._latched = latched
         self._timeout = timeout
         self._faults = faults or FaultLog(str, str)
         self._latest = 0, 0.0           # messages in all, and when they were counted first
@@ -30,7 +32,8 @@ class PublishingTask:
 
     def update(self, now: float) -> None:
         """Look whether messages went out since the last call."""
-        published = sum(self._counts.values())
+        published = sum(count for topic, count in self._counts.items()
+                        if topic not in self._latched)
         if published != self._latest[0]:
             self._latest = published, now
 

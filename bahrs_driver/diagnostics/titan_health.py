@@ -83,6 +83,11 @@ class TitanHealth:
         """Return whether the data has ceased, at a time in seconds (monotonic)."""
         return self._rates.stale(now)
 
+    @property
+    def lost(self) -> int:
+        """Answers lost since the start."""
+        return sum(self._rates.lost.values())
+
     def device_id(self) -> str:
         """Return nothing: the device has no name for itself."""
         return ''

@@ -7,12 +7,13 @@ The root of these files can be another folder, so that every state of a machine 
 """
 
 from collections.abc import Iterator, Mapping
-import contextlib
 import grp
 import os
 from pathlib import Path
 import pwd
 from typing import NamedTuple
+
+from bahrs_driver.transport.processes import holders, Process, processes
 
 
 class User(NamedTuple):
@@ -21,13 +22,6 @@ class User(NamedTuple):
     name: str
     uid: int
     groups: frozenset[int]          # of this session
-
-
-class Process(NamedTuple):
-    """A process that runs."""
-
-    pid: int
-    name: str
 
 
 def present_user() -> User:
@@ -89,31 +83,14 @@ class Machine:
             return False
 
     def processes(self) -> Iterator[Process]:
-        """Yield all processes."""
-        for name in self.names('/proc'):
-            pid = os.path.basename(name)
-            if pid.isdigit():
-                yield Process(int(pid), self._name_of(pid))
+        """Return all processes."""
+        return processes(self.root)
 
     def holders(self, device: str) -> list[Process]:
         """Return the processes that have a device open, as far as the user may see it."""
-        return [process for process in self.processes()
-                if process.pid != os.getpid() and device in self._open_files(process.pid)]
+        return [process for process in holders(device, self.root)
+                if process.pid != os.getpid()]
 
     def all_visible(self) -> bool:
         """Return whether the open files of every process can be seen."""
         return self.user.uid == 0
-
-    def _open_files(self, pid: int) -> set[str]:
-        found = set()
-        for name in self.names(f'/proc/{pid}/fd'):
-            with contextlib.suppress(OSError):
-                found.add(os.readlink(self.path(name)))
-        return found
-
-    def _name_of(self, pid: str) -> str:
-        words = [os.path.basename(word)
-                 for word in (self.read(f'/proc/{pid}/cmdline') or '').split('\0') if word]
-        if len(words) > 1 and words[0].startswith('python'):
-            return words[1]
-        return self.read(f'/proc/{pid}/comm') or (words or ['?'])[0]

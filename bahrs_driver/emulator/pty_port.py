@@ -10,6 +10,7 @@ import re
 import select
 import struct
 import termios
+import time
 import tty
 
 from bahrs_driver.files.guard import guard
@@ -18,6 +19,8 @@ from bahrs_driver.printable import printable
 _PSEUDO_TERMINAL = re.compile('/dev/pts/[0-9]+')
 _READ_SIZE = 4096
 _NOBODY_WAIT = 0.02     # s between two looks for somebody at the other end
+_EXCLUSIVE_WAIT = 2.0   # s for a reader of whom nothing is known
+_UNKNOWN = -1           # number of bytes
 
 
 class PtyPort:
@@ -55,9 +58,7 @@ class PtyPort:
     @property
     def is_open(self) -> bool:
         """Whether somebody has the port open."""
-        poll = select.poll()
-        poll.register(self._fd, select.POLLHUP)
-        return not poll.poll(0)
+        return not self._poll(select.POLLHUP, 0.0)
 
     def wait_until_open(self, timeout: float | None = None) -> bool:
         """Wait until somebody has the port open; False if nobody came in time (seconds)."""
@@ -65,7 +66,7 @@ class PtyPort:
         while not self.is_open:
             if timeout is not None and waited >= timeout:
                 return False
-            select.select([], [], [], _NOBODY_WAIT)
+            time.sleep(_NOBODY_WAIT)
             waited += _NOBODY_WAIT
         return True
 
@@ -73,13 +74,14 @@ class PtyPort:
         """
         Wait until all that was sent is read, or nobody listens; False if not so in seconds.
 
-        What was sent a moment ago may not be there to be read yet, and is then not seen.
+        What was sent a moment ago may not be there to be read yet, and is then not seen. A reader
+        that has opened the port for itself alone is given a fixed time instead.
         """
         waited = 0.0
-        while self.is_open and self._unread():
-            if waited >= timeout:
-                return False
-            select.select([], [], [], _NOBODY_WAIT)
+        while self.is_open and (unread := self._unread()):
+            if waited >= (min(timeout, _EXCLUSIVE_WAIT) if unread == _UNKNOWN else timeout):
+                return unread == _UNKNOWN
+            time.sleep(_NOBODY_WAIT)
             waited += _NOBODY_WAIT
         return True
 
@@ -106,16 +108,22 @@ class PtyPort:
                                   'or remove the link')
 
     def _unread(self) -> int:
-        """Return how many bytes wait at the other end; 0 if that is opened for one only."""
+        """Return how many bytes wait at the other end, if one may look there."""
         try:
             far_end = os.open(self.path, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
-        except OSError:
-            return 0
+        except OSError:         # the reader has it for itself alone, and we are not root
+            return _UNKNOWN
         try:
             count, = struct.unpack('i', fcntl.ioctl(far_end, termios.FIONREAD, bytes(4)))
         finally:
             os.close(far_end)
         return int(count)
+
+    def _poll(self, events: int, timeout: float) -> bool:
+        # Not select(), which fails on descriptors from 1024 on.
+        poll = select.poll()
+        poll.register(self._fd, events)
+        return bool(poll.poll(timeout * 1e3))
 
     def write(self, data: bytes) -> None:
         """Send data; wait where the reader is slow. Without a reader it is lost, as on a cable."""
@@ -123,7 +131,7 @@ class PtyPort:
             try:
                 data = data[os.write(self._fd, data):]
             except BlockingIOError:
-                select.select([], [self._fd], [], _NOBODY_WAIT)
+                self._poll(select.POLLOUT, _NOBODY_WAIT)
 
     def write_at_once(self, data: bytes) -> int:
         """Send what can be sent without waiting; return how much, all if nobody listens."""
@@ -140,7 +148,7 @@ class PtyPort:
 
     def read(self, timeout: float = 0.0) -> bytes:
         """Return what was sent to the device, waiting at most timeout seconds for the first."""
-        if not self.is_open or not select.select([self._fd], [], [], timeout)[0]:
+        if not self.is_open or not self._poll(select.POLLIN, timeout):
             return b''
         try:
             return os.read(self._fd, _READ_SIZE)

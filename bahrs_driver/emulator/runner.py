@@ -161,7 +161,14 @@ class PacedRun:
         if self._port and self._port.is_open:
             files.append(self._port.fileno())
         timeout = max(0.0, min(until - self._now(), _LONGEST_WAIT))
-        return set(select.select(files, [], [], timeout)[0])
+        poll = select.poll()            # select() fails on descriptors from 1024 on
+        for file in files:
+            poll.register(file, select.POLLIN)
+        # It counts in whole milliseconds.
+        ready = {file for file, _ in poll.poll(int(timeout * 1e3))}
+        if not ready:
+            time.sleep(min(timeout % 1e-3, max(0.0, until - self._now())))
+        return ready
 
     def _watched(self, due: float) -> float:
         """Stay awake until then if that is soon; return the time, at most due."""

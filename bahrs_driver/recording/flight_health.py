@@ -36,7 +36,8 @@ class FlightHealth:
         self._time_task = TimeTask(clock, sensor.health.stale)
         self._now = self._due = self._offset = 0
         self._opening: int | None = None
-        self._publishing_task = PublishingTask(self.counts, sensor.silence_timeout)
+        self._publishing_task = PublishingTask(self.counts, sensor.silence_timeout,
+                                               sensor.latched)
         self._monitor = Monitor(
             [FramingTask(sensor.framer, self._counters, settings['baud_rate'],
                          settings['sensor'], sensor.protocol,

@@ -41,6 +41,10 @@ class Health(Protocol):
     def stale(self, now: float) -> bool:
         """Return whether the data has ceased, at a time in seconds (monotonic)."""
 
+    @property
+    def lost(self) -> int:
+        """Messages lost since the start."""
+
     def device_id(self) -> str:
         """Return the name that the device gives itself; empty if it did not."""
 

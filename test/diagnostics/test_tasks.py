@@ -23,14 +23,14 @@ import pytest
 
 SAFE, RISK = Integrity.SAFE, Integrity.INTEGRITY_RISK
 GONE, RESERVED = Integrity.UNAVAILABLE, Integrity.RESERVED
-LINK = SimpleNamespace(name='/dev/ttyUSB0', baud_rate=115200)
+LINK = SimpleNamespace(name='/dev/ttyUSB0', path='/dev/ttyUSB0', baud_rate=115200, stolen=0)
 HINT = 'is the device powered?'
 NAVIGATION = Navigation(0, 500.0, 0.0, 0.0, 0.0, 0.0, (SAFE,) * 5)
 
 
 def link_verdict(**counters):
     """Return the verdict on a link at the time 100 s."""
-    return LinkTask(LINK, LinkCounters(**counters), 1.0, HINT).judge(100.0)
+    return LinkTask(LINK, LinkCounters(**counters), 1.0, HINT, int).judge(100.0)
 
 
 def test_a_port_that_is_not_open_says_why():
@@ -59,7 +59,7 @@ def test_a_port_just_opened_is_not_yet_silent():
 def test_traffic_is_told_against_the_baud_rate():
     """Ten bits a byte: 5,760 of 11,520 bytes a second are half of the line."""
     counters = LinkCounters(open_since=0.0)
-    task = LinkTask(LINK, counters, 1.0, HINT)
+    task = LinkTask(LINK, counters, 1.0, HINT, int)
     task.values(0.0)
     counters.bytes_received = 5760
     values = task.values(1.0)
@@ -174,8 +174,9 @@ def test_integrity(signals, level, message):
 
 def test_publishing_is_of_the_present():
     """What went out an hour ago is no comfort."""
-    counts = {'imu/data': 0}
-    task = PublishingTask(counts, 1.0)
+    counts = {'imu/data': 0, 'integrity': 0}
+    task = PublishingTask(counts, 1.0, ('integrity',))
+    counts['integrity'] = 1             # that there is no data
     assert task.judge(0.0) == (STALE, 'Nothing published yet')
     counts['imu/data'] = 40
     assert task.judge(0.5) == (OK, 'Publishing')
@@ -187,7 +188,7 @@ def test_publishing_is_of_the_present():
 def test_a_fault_of_the_driver_is_shown_for_a_while():
     """And counted for ever."""
     faults = FaultLog(str, str)
-    task = PublishingTask({'imu/data': 1}, 1.0, faults)
+    task = PublishingTask({'imu/data': 1}, 1.0, (), faults)
     assert task.judge(0.0) == (OK, 'Publishing')
     faults.report('publishing imu/data', ValueError('no'))
     assert task.judge(0.5) == (

@@ -133,7 +133,7 @@ def test_the_console_says_that_a_device_is_silent(tmp_path):
         assert wait_for(lambda: 'is open but silent: is the device powered' in node.text)
         assert 'for one, set parameter sensor to titan_m' in node.text
         with Device(port):
-            assert wait_for(lambda: 'data arrives again' in node.text), node.text
+            assert wait_for(lambda: 'is in order again' in node.text), node.text
         assert sum('silent' in line for line in node.lines) == 1
 
 

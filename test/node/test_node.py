@@ -111,7 +111,7 @@ def test_signals_are_heeded_before_anything_large_is_imported():
     (['-p', 'stddev.velocity:=-1'], 'parameter stddev.velocity is -1: it must be a decimal'),
     (['-p', 'time.sync_pulse.reference:=not a topic'],
      "parameter time.sync_pulse.reference is 'not a topic': it must be 'ros_clock' or the name"),
-    (['-p', 'port:=foo://bar'], "parameter port is 'foo://bar': invalid URL, protocol 'foo'"),
+    (['-p', 'port:=foo://bar'], "parameter port is 'foo://bar': foo:// is not supported"),
     (['-p', 'port'], '-p port cannot be used: '),
     (['-p', 'port:=[]'], "parameter port is []: it must be a text such as '/dev/ttyUSB0'"),
     (['--params-file', 'nowhere.yaml'], 'parameter file nowhere.yaml cannot be read: No such'),

@@ -1,0 +1,100 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Ports for which pyserial has the protocol: RFC 2217 servers, and a loop for tests."""
+
+import contextlib
+import queue
+import sys
+import time
+from typing import Any
+
+from bahrs_driver.transport.reading import now, Reading
+from bahrs_driver.transport.tcp import detect_loss
+from bahrs_driver.transport.waker import Waker
+import serial
+from serial import rfc2217
+
+SLICE = 0.1             # s, after which a read looks whether it was woken
+WRITE_TIMEOUT = 1.0     # s
+LONGEST_QUEUE = 65536   # bytes that wait to be read
+
+
+class PyserialChannel:
+    """An open port of pyserial's, one that has no descriptor to wait for."""
+
+    stolen = 0
+
+    def __init__(self, port: Any) -> None:
+        """Use an open port."""
+        self._port = port
+        self._port.timeout = SLICE
+
+    def read(self, timeout: float, waker: Waker) -> Reading | None:
+        """Wait for bytes and return all there are; None after timeout seconds, or if woken."""
+        deadline = time.monotonic() + timeout
+        while not waker.clear():
+            data: bytes = self._port.read(1)
+            if data:
+                waiting = self._port.in_waiting
+                moment = now()
+                return Reading(data + self._port.read(waiting) if waiting else data, moment)
+            if time.monotonic() >= deadline:
+                break
+        return None
+
+    def write(self, data: bytes, timeout: float, waker: Waker) -> None:
+        """Send all of data; the time limit is that of the port."""
+        self._port.write(data)
+
+    def close(self) -> None:
+        """Close the port."""
+        self._port.close()
+
+
+_Client: Any = rfc2217.Serial       # whose inner parts have no types
+
+
+class Rfc2217Port(_Client):  # type: ignore[misc]
+    """pyserial's client, with bounds on what a server can do to it."""
+
+    def open(self) -> None:  # noqa: A003 (as pyserial has it)
+        """Connect and negotiate, and notice from then on if the server vanishes."""
+        super().open()
+        detect_loss(self._socket)
+        self._socket.settimeout(WRITE_TIMEOUT)
+
+    def close(self) -> None:
+        """Close it, also while its reader waits for room."""
+        pending = self._read_buffer
+        if pending is not None:
+            pending.maxsize = sys.maxsize
+            with pending.mutex:
+                pending.not_full.notify_all()
+        super().close()
+
+    def _telnet_read_loop(self) -> None:
+        # What a server sends can make it raise, and then the traceback would be printed.
+        self._read_buffer.maxsize = LONGEST_QUEUE
+        try:
+            with contextlib.suppress(Exception):
+                super()._telnet_read_loop()
+        finally:
+            self._end_of_stream()
+
+    def _end_of_stream(self) -> None:
+        with contextlib.suppress(queue.Full):
+            self._read_buffer.put_nowait(None)
+
+
+def open_rfc2217(url: str, baud_rate: int) -> PyserialChannel:
+    """Open a port of an RFC 2217 server."""
+    port = Rfc2217Port(None, baud_rate)     # pyserial refuses a write timeout here
+    port.port = url
+    port.open()
+    return PyserialChannel(port)
+
+
+def open_loop(url: str, baud_rate: int) -> PyserialChannel:
+    """Open a port that receives what is written to it."""
+    return PyserialChannel(serial.serial_for_url(
+        url, baud_rate, write_timeout=WRITE_TIMEOUT))

@@ -1,0 +1,34 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Something that wakes a thread from poll()."""
+
+import contextlib
+import os
+import weakref
+
+
+class Waker:
+    """A descriptor that is readable from wake() to clear(). Any thread may use it."""
+
+    def __init__(self) -> None:
+        """Begin without a wake-up. The descriptors are closed with the object."""
+        self._read_end, self._write_end = os.pipe()
+        for descriptor in (self._read_end, self._write_end):
+            os.set_blocking(descriptor, False)
+            weakref.finalize(self, os.close, descriptor)
+
+    def fileno(self) -> int:
+        """Return the descriptor to wait for."""
+        return self._read_end
+
+    def wake(self) -> None:
+        """Wake whoever waits, now or later."""
+        with contextlib.suppress(BlockingIOError):      # it was woken very often
+            os.write(self._write_end, b'.')
+
+    def clear(self) -> bool:
+        """Return whether it was woken, and sleep on."""
+        try:
+            return bool(os.read(self._read_end, 65536))
+        except BlockingIOError:
+            return False
