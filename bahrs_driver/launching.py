@@ -54,14 +54,15 @@ def describe_driver(config: str, sensor: str = '') -> LaunchDescription:
 
 def _start_node(context: LaunchContext, sensor: str) -> list[LaunchDescriptionEntity]:
     values = {name: str(context.launch_configurations[name]) for name in ARGUMENTS}
-    if not Path(values['params_file']).is_file():       # launch_ros would go on without it
+    file = Path(values['params_file']).expanduser()
+    if not file.is_file():          # launch_ros would go on without it
         raise FileNotFoundError(f"params_file:={values['params_file']} is not a file")
     given = {'sensor': sensor, 'port': values['port']}
     return [Node(
         package=PACKAGE, executable='driver_node', output='screen',
         name=values['name'], namespace=values['namespace'],
         # Rules on the command line: they beat whatever name the file has for the node.
-        parameters=[values['params_file'],
+        parameters=[str(file),
                     *(Parameter(name, value, value_type=str)
                       for name, value in given.items() if value)])]
 

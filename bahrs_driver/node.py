@@ -8,6 +8,7 @@ from threading import Lock
 import time
 from typing import Any
 
+from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.convert import raw
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.guarded_task import GuardedTask
@@ -208,7 +209,8 @@ class DriverNode(Node):
                 'or the name of a topic') from error
 
     def _pulse_told(self, message: TimeReference) -> None:
-        self._sensor.clock.pulse_reference(Time.from_msg(message.header.stamp).nanoseconds)
+        stamp = message.header.stamp        # any numbers: rclpy.time.Time would raise for some
+        self._sensor.clock.pulse_reference(stamp.sec * NANOSECONDS + stamp.nanosec)
 
     def _publish(self, outgoing: Iterable[tuple[str, Any]]) -> None:
         for topic, message in outgoing:

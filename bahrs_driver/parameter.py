@@ -65,6 +65,8 @@ class Parameter:
         value = given
         if isinstance(self.default, float) and type(given) is int:
             value = _to_float(given)
+        if self.choices and isinstance(given, (bool, float)):
+            value = str(given).lower()      # to YAML, nan is a number
         if self.is_frame and isinstance(given, str):
             value = given.lstrip('/')
         if not (type(value) is type(self.default) and self._is_allowed(value)):

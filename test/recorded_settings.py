@@ -15,7 +15,8 @@ def values_of(parameter):
         return st.integers(int(parameter.low), int(parameter.high))
     if isinstance(parameter.default, float):
         zero = st.just(0.0) if parameter.or_zero else st.nothing()
-        return zero | st.floats(parameter.low, parameter.high)
+        # A number that is too small for all of its digits is a text to rcl.
+        return zero | st.floats(parameter.low, parameter.high, allow_subnormal=False)
     return st.just(parameter.default)
 
 

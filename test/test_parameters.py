@@ -59,6 +59,12 @@ def test_a_bad_value_gives_one_sentence(name, value, sentence):
     assert str(caught.value) == sentence
 
 
+@pytest.mark.parametrize('value', ['nan', float('nan')])
+def test_a_choice_that_yaml_takes_for_a_number(value):
+    """Written as the documentation has it."""
+    assert BY_NAME['publish.incomplete'].convert(value) == 'nan'
+
+
 def test_true_is_not_a_number():
     """Though Python takes it for one."""
     with pytest.raises(ParameterError):

@@ -46,7 +46,7 @@ MAY_IMPORT = {
     'driver_node': {'node_process', 'ros_start', 'shutdown_event'},
     'node_process': {'executor', 'exit_timer', 'node', 'parameter', 'ros_start', 'settings',
                      'shutdown_event'},
-    'node': {'parameter', 'settings', 'sensors', 'convert', 'recording', 'diagnostics',
+    'node': {'parameter', 'settings', 'sensors', 'clock', 'convert', 'recording', 'diagnostics',
              'nvm_services', 'receiver', 'latched_publisher', 'link', 'fault_log', 'sim_time',
              'subscriber_gate'},
     'host_time': set(),

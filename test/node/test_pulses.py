@@ -5,8 +5,12 @@
 import math
 import threading
 import time
+from types import SimpleNamespace
 
+from bahrs_driver.clock.pulses import PulseReference
+from bahrs_driver.node import DriverNode
 from devices import DIAGNOSTICS, status
+from hypothesis import given, strategies as st
 from processes import driver, listening, running, wait_for
 import pytest
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -46,6 +50,20 @@ class Teller(threading.Thread):
         """Stop."""
         self._ended.set()
         self.join()
+
+
+@given(seconds=st.integers(-2 ** 31, 2 ** 31 - 1), nanoseconds=st.integers(0, 2 ** 32 - 1))
+def test_any_time_of_a_pulse_is_taken(seconds, nanoseconds):
+    """It comes from another node, and may be nonsense."""
+    message = TimeReference()
+    message.header.stamp.sec, message.header.stamp.nanosec = seconds, nanoseconds
+    heard = []
+    clock = SimpleNamespace(pulse_reference=heard.append)
+    DriverNode._pulse_told(SimpleNamespace(_sensor=SimpleNamespace(clock=clock)), message)
+    reference = PulseReference(SECOND, told=True)
+    reference.tell(*heard)
+    assert heard == [seconds * SECOND + nanoseconds]
+    assert reference.find(time.time_ns()) in (None, *heard)
 
 
 def delay_by_pulses(ear):

@@ -7,6 +7,7 @@ import os
 from bahrs_driver.parameters import PARAMETERS
 from hypothesis import given, HealthCheck, settings, strategies as st
 import pytest
+from recorded_settings import values_of
 from starting import start
 import yaml
 
@@ -128,6 +129,17 @@ def test_any_file(monkeypatch, capfd, tmp_path, edits):
 def test_any_words(monkeypatch, capfd, words):
     """Which are no arguments of ROS, or half of one."""
     assert in_order(start(monkeypatch, capfd, *(word.replace('\0', '') for word in words)))
+
+
+@settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(values=st.fixed_dictionaries({parameter.name: values_of(parameter)
+                                     for parameter in PARAMETERS if parameter.name != 'port'}))
+def test_any_valid_values(monkeypatch, capfd, tmp_path, values):
+    """The driver starts with them, however they are combined."""
+    file = tmp_path / 'my.yaml'
+    file.write_text(yaml.safe_dump({'/**': {'ros__parameters': values}}))
+    result = start(monkeypatch, capfd, '--params-file', str(file))
+    assert result.status == 0 and in_order(result)
 
 
 def test_a_file_without_permission(monkeypatch, capfd, tmp_path):
