@@ -10,7 +10,6 @@ and when, is the conversation's business.
 """
 
 from collections.abc import Collection
-import contextlib
 import threading
 from typing import Any, Protocol
 
@@ -52,29 +51,33 @@ class Requester:
         self._conversation = conversation
         self._changed = threading.Condition()
         self._stopping = False
+        self.write_error = ''       # why the latest request was not written; '' if it was
 
     def opened(self) -> None:
-        """Take note that the link is open."""
+        """Begin to ask: the link is open."""
+        self.write_error = ''
         with self._changed:
             self._conversation.begin(_raw_time(), self._link.byte_time_ns)
             self._changed.notify()
 
     def lost(self) -> None:
-        """Take note that the link is gone."""
+        """Ask nothing more: the link is gone."""
         with self._changed:
             self._conversation.end()
+        self.write_error = ''
 
     def decode(self, frame: Frame) -> Any:
         """
         Return the message of a frame that has come, having sent what is due now that it has.
 
-        So the line is busy again before anything is made of the message.
+        So the line is busy again before anything is made of the message. What the device does not
+        accept at once is lost, for its answers are read on this thread.
         """
         with self._changed:
             message = self._conversation.receive(frame, _raw_time())
             data = self._conversation.send(_raw_time())
             self._changed.notify()
-        self._write(data)
+        self._write(data, wait=False)
         return message
 
     def expected(self) -> Collection[Any]:
@@ -93,11 +96,15 @@ class Requester:
             self._stopping = True
             self._changed.notify()
 
-    def _write(self, data: bytes) -> None:
-        # A link that is lost is told by its reader, and a request that is lost is repeated.
-        if data:
-            with contextlib.suppress(LinkError):
-                self._link.write(data)
+    def _write(self, data: bytes, wait: bool = True) -> None:
+        # A link that is lost is reported by its reader, and a request that is lost is repeated.
+        if not data:
+            return
+        try:
+            self._link.write(data, wait)
+            self.write_error = ''
+        except LinkError as error:
+            self.write_error = str(error)
 
     def _next(self) -> bytes:
         """Sleep until something is to be sent; empty when stopped."""

@@ -9,6 +9,7 @@ import time
 from bahrs_driver.link import LinkError
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.requester import Requester
+from processes import wait_for
 import pytest
 
 LONG = 30.0             # s, for what should be at once
@@ -24,9 +25,11 @@ class Line:
         """Begin whole."""
         self.written = queue.Queue()
         self.broken = False
+        self.waits = []
 
-    def write(self, data):
+    def write(self, data, wait=True):
         """Take it, or not."""
+        self.waits.append(wait)
         if self.broken:
             raise LinkError('gone')
         self.written.put(data)
@@ -133,6 +136,33 @@ def test_a_line_that_is_gone_does_not_end_it(asking):
     line.broken = False
     requester.opened()
     assert line.written.get(timeout=LONG) == b'request'
+
+
+def test_the_thread_that_reads_does_not_wait_for_the_device(asking):
+    """What is written on it is taken at once, or lost."""
+    line, script, requester = asking
+    requester.opened()
+    line.written.get(timeout=LONG)
+    script.receive = lambda frame, now: setattr(script, 'next', now)
+    requester.decode(FRAME)
+    line.written.get(timeout=LONG)
+    assert line.waits == [True, False]
+
+
+def test_why_a_request_was_not_written_is_known_until_one_is(asking):
+    """Or until the link is opened again."""
+    line, script, requester = asking
+    line.broken = True
+    requester.opened()
+    assert wait_for(lambda: requester.write_error == 'gone')
+    line.broken = False
+    script.next = 0
+    requester.decode(FRAME)
+    line.written.get(timeout=LONG)
+    assert wait_for(lambda: not requester.write_error)
+    requester.write_error = 'gone'
+    requester.lost()
+    assert not requester.write_error
 
 
 def test_it_stops_at_once_before_anything_was_opened():

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Task *Requests*: whether a device that is asked answers."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from bahrs_driver.diagnostics.task import (
     ERROR, NO_DATA, OK, STALE, Staleness, Verdict, WARN,
@@ -19,9 +19,14 @@ class RequestsTask:
 
     name = 'Requests'
 
-    def __init__(self, poller: Poller, stale: Staleness) -> None:
-        """Watch a poller, and whether its answers have ceased."""
+    def __init__(self, poller: Poller, stale: Staleness, write_error: Callable[[], str]) -> None:
+        """
+        Watch a poller, and whether its answers have ceased.
+
+        write_error returns why the latest request could not be written; '' if it was.
+        """
         self._poller = poller
+        self._write_error = write_error
         self._stale = stale
         self._window = Window(lambda: (
             poller.answered.total(), poller.unanswered.total(), poller.unexpected.total(),
@@ -30,6 +35,9 @@ class RequestsTask:
     def judge(self, now: float) -> Verdict:
         """Return how the last second went."""
         _, (answered, unanswered, unexpected, skipped) = self._window.growth(now)
+        write_error = self._write_error()
+        if write_error:
+            return Verdict(ERROR, write_error)
         if unanswered >= UNANSWERED and not answered:
             return Verdict(ERROR, 'No request is answered: is the device a titan_m, powered, and '
                                   'is its receiving line connected?')

@@ -61,12 +61,17 @@ class TitanHealth:
 
     def __init__(self, rates: Mapping[str, float], tolerance: float, stale_timeout: float,
                  poller: Poller | None, reader: PayloadReader[int],
-                 gps: Callable[[], str], week_problem: Callable[[], str]) -> None:
-        """Watch answers of these rates by name, and what TitanDeviceTask watches."""
+                 gps: Callable[[], str], week_problem: Callable[[], str],
+                 write_error: Callable[[], str]) -> None:
+        """
+        Watch answers of these rates by name, and what RequestsTask and TitanDeviceTask watch.
+
+        Without a poller, nothing is asked.
+        """
         self._rates = RatesTask(
             rates, tolerance, stale_timeout,
             RequestLosses(lambda: poller.lost_by_name if poller else {}))
-        requests = [RequestsTask(poller, self._rates.stale)] if poller else []
+        requests = [RequestsTask(poller, self._rates.stale, write_error)] if poller else []
         self.tasks: Sequence[Task] = (
             self._rates, *requests,
             TitanDeviceTask(reader, gps, week_problem, self._rates.stale))

@@ -54,7 +54,8 @@ def titan_m(settings: Mapping[str, Any], link: Link) -> Sensor:
     health = TitanHealth(
         asked, settings['diagnostics.rate_tolerance'], silence_timeout,
         poller if requester else None, reader, lambda: converter.gps_text,
-        lambda: converter.week_problem)
+        lambda: converter.week_problem,
+        lambda: requester.write_error if requester else '')
 
     def protocol() -> Mapping[str, str]:
         lengths = {kind.NAME: f'0x{length:02X}'

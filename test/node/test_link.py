@@ -11,6 +11,7 @@ import stat
 import subprocess
 import sys
 import threading
+import time
 
 from bahrs_driver.emulator.pty_port import PtyPort
 from devices import Device, DIAGNOSTICS, says, status
@@ -207,6 +208,22 @@ def test_descriptors_beyond_those_of_select(cable):
     finally:
         if node.alive:
             node.end()
+
+
+def test_a_titan_m_that_accepts_nothing(cable):
+    """It is said so, the reader is not held up, and neither is the end."""
+    far_end = os.open(cable.path, os.O_WRONLY | os.O_NOCTTY | os.O_NONBLOCK)
+    with contextlib.suppress(BlockingIOError):
+        while True:                     # and the system accepts nothing more for it
+            os.write(far_end, bytes(1))
+    os.close(far_end)
+    with listening(DIAGNOSTICS) as ear, driver(cable.path, sensor='titan_m') as node:
+        assert says(ear, 'Requests', ERROR, 'does not take data: it has accepted nothing')
+        assert says(ear, 'Link', ERROR, 'is open but silent')
+        begin = time.monotonic()
+        assert node.end() == 0, node.text
+        assert time.monotonic() - begin < 10.0
+        assert 'Traceback' not in node.text
 
 
 def test_it_ends_while_it_connects():
