@@ -18,6 +18,9 @@ _OF_A_POSITION = ('easting', 'northing', 'altitude', 'velocity_ned_north', 'velo
                   'velocity_ned_down', 'heading_deg', 'speed', 'ground_speed')
 
 
+MOST_HELD = 100_000         # answers that wait for their byte order; a stream may never tell it
+
+
 class Decoder(Protocol):
     """Finds the messages of one kind of device in a stream of bytes."""
 
@@ -95,7 +98,7 @@ class TitanDecoder:
     def __init__(self, options: argparse.Namespace) -> None:
         """Take the options of the command line."""
         self._format = AnswerFormat(options.checksum_order)
-        self._reader = PayloadReader[Frame](options.payload_order, most_held=None)
+        self._reader = PayloadReader[Frame](options.payload_order, MOST_HELD)
         self.framer = Framer(self._format)
 
     def messages(self, frames: Iterable[Frame]) -> Iterable[tuple[Frame, Any]]:
@@ -121,9 +124,10 @@ class TitanDecoder:
 
     def complaint(self) -> str:
         """Return whether answers could not be read, as nothing tells their byte order."""
-        if not self._reader.held:
+        count = self._reader.held + self._reader.given_up
+        if not count:
             return ''
-        return (f'{self._reader.held} answers are not decoded, for nothing in them tells their '
+        return (f'{count} answers are not decoded, for nothing in them tells their '
                 'byte order: say --payload-order little or --payload-order big')
 
 

@@ -163,7 +163,8 @@ def _report(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
     if options.json:
         print(json.dumps({
             'bag': str(bag.folder), 'files': bag.files(), 'messages': bag.count,
-            'topics': counts, 'lost': recorder.lost, 'missed_before_discovery': recorder.missed,
+            'topics': counts, 'lost': recorder.lost + recorder.dropped,
+            'missed_before_discovery': recorder.missed,
             'clock_steps': recorder.clock_steps, 'notes': recorder.notes,
             'error': failure or None}))
         return
@@ -184,5 +185,7 @@ def _complaints(recorder: Recorder) -> Iterator[str]:
                'other: start the driver with -p startup.wait_for_subscribers:=10')
     if recorder.lost:
         yield f'{recorder.lost} messages were published and did not come: the machine is too busy'
+    if recorder.dropped:
+        yield f'{recorder.dropped} messages came and were not written: the disk is too slow'
     yield from recorder.clock_steps
     yield from recorder.notes

@@ -11,6 +11,7 @@ from typing import Any
 
 from bahrs_driver.clock.host import HostClocks, step_sentence
 from bahrs_driver.clock.interface import Instant, Stamped, TimeState
+from bahrs_driver.clock.notices import Notices
 from bahrs_driver.clock.units import NANOSECONDS
 from bahrs_driver.protocol.framing import Frame
 
@@ -52,7 +53,7 @@ class ArrivalStamps:
         """Take what to subtract from every stamp, in ns."""
         self._fixed_latency = fixed_latency
         self._host = HostClocks()
-        self._notices: list[str] = []
+        self._notices = Notices()
         self._now = Instant(0, 0)
         self._received = 0
         self.begin(0)
@@ -68,7 +69,7 @@ class ArrivalStamps:
         self._received = received
         step = self._host.read(now)
         if step:
-            self._notices.append(step_sentence(step))
+            self._notices.add(step_sentence(step))
         if step < 0:                # followed at once
             self._clock = ArrivalClock(self._byte_time)
 
@@ -87,8 +88,7 @@ class ArrivalStamps:
 
     def take_notices(self) -> list[str]:
         """Return what the user should be told since the last call, a sentence each."""
-        notices, self._notices = self._notices, []
-        return notices
+        return self._notices.take()
 
     def state(self) -> TimeState:
         """Return that stamps are arrivals."""

@@ -16,6 +16,7 @@ from typing import Any
 from bahrs_driver.clock.bounds import ByteBounds
 from bahrs_driver.clock.host import HostClocks, step_sentence
 from bahrs_driver.clock.interface import Instant, Stamped, TimeState
+from bahrs_driver.clock.notices import Notices
 from bahrs_driver.clock.output import Output
 from bahrs_driver.clock.units import MICROSECOND, NANOSECONDS
 from bahrs_driver.protocol.framing import Frame
@@ -41,7 +42,7 @@ class ExchangeClock:
         self._halves: deque[int] = deque(maxlen=REMEMBERED)
         self._chunks: deque[int] = deque(maxlen=REMEMBERED)
         self._arrivals = 0
-        self._notices: list[str] = []
+        self._notices = Notices()
         self.begin(0)
 
     def begin(self, byte_time: int) -> None:
@@ -59,7 +60,7 @@ class ExchangeClock:
         if step < 0:
             self._output.allow_backward()
         if step:
-            self._notices.append(step_sentence(step))
+            self._notices.add(step_sentence(step))
 
     def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
         """Return all messages, each with its stamp."""
@@ -75,8 +76,7 @@ class ExchangeClock:
 
     def take_notices(self) -> list[str]:
         """Return what the user should be told since the last call, a sentence each."""
-        notices, self._notices = self._notices, []
-        return notices
+        return self._notices.take()
 
     def state(self) -> TimeState:
         """Return how stamps are made at present."""

@@ -25,6 +25,7 @@ from bahrs_driver.clock.device_time import DeviceTime, Verdict
 from bahrs_driver.clock.held import Held, HeldMessages
 from bahrs_driver.clock.host import HostClocks, step_sentence
 from bahrs_driver.clock.interface import Instant, Stamped, TimeState
+from bahrs_driver.clock.notices import Notices
 from bahrs_driver.clock.options import ClockOptions
 from bahrs_driver.clock.output import Output
 from bahrs_driver.clock.stamper import Stamper
@@ -61,7 +62,7 @@ class SampleClock:
         self._stamped: list[Stamped] = []
         self._patient = True            # whether samples may still be held
         self._epochs = self._epoch_began = 0
-        self._notices: list[str] = []
+        self._notices = Notices()
         self._chunks: deque[int] = deque(maxlen=CHUNKS)
         self._handlers: dict[type, Callable[[Held], None]] = {
             Inertial: self._inertial, Navigation: self._navigation,
@@ -87,7 +88,7 @@ class SampleClock:
         self._bounds.read(now.raw_ns, received)
         step = self._host.read(now)
         if step:
-            self._notices.append(step_sentence(step))
+            self._notices.add(step_sentence(step))
         if step < 0:
             self._stamper.allow_backward()
 
@@ -112,8 +113,7 @@ class SampleClock:
 
     def take_notices(self) -> list[str]:
         """Return what the user should be told since the last call, a sentence each."""
-        notices, self._notices = self._notices, []
-        return notices
+        return self._notices.take()
 
     def _take(self, item: Held) -> None:
         """Look at a message, and put it behind those that are held."""
@@ -205,7 +205,7 @@ class SampleClock:
         self._output.restart()
         # What comes first may have waited in the system while nobody read, and prove nothing.
         if self._epochs > 1 and self._epoch_began - began > SETTLING:
-            self._notices.append("the device's clock was set anew: was it restarted?")
+            self._notices.add("the device's clock was set anew: was it restarted?")
 
     def _feed_held(self) -> None:
         self._patient = True
@@ -253,7 +253,7 @@ class SampleClock:
             device.time_of(counter.count), self._tracker, self._host)
         if changed:
             self._output.hurry()
-            self._notices.append(changed)
+            self._notices.add(changed)
 
     def state(self) -> TimeState:
         """Return how stamps are made at present."""

@@ -33,6 +33,6 @@ def to_wgs84(easting: float, northing: float, zone: int, northern: bool) -> Plac
     return Place(latitude, longitude)
 
 
-@lru_cache(maxsize=None)
+@lru_cache(maxsize=2 * len(ZONES))
 def _projection(zone: int, northern: bool) -> Proj:
     return Proj(proj='utm', zone=zone, ellps='WGS84', south=not northern)

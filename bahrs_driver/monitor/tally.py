@@ -7,6 +7,7 @@ import math
 import time
 
 RATE_WINDOW = 2.0           # s over which a rate is measured
+MOST_ARRIVALS = 4096        # that are remembered; a rate above 2 kHz is measured over less
 
 
 class Tally:
@@ -16,7 +17,7 @@ class Tally:
         """Start with nothing."""
         self.count = 0
         self.data = b''             # the latest message, serialised
-        self._arrivals: deque[float] = deque()
+        self._arrivals: deque[float] = deque(maxlen=MOST_ARRIVALS)
 
     def add(self, data: bytes) -> None:
         """Count a message and keep it."""

@@ -27,6 +27,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from std_msgs.msg import UInt8MultiArray
 
 HOLD = 10_000_000_000           # ns that a message may come late in the stream
+MOST_HELD = 50_000              # messages, ten times what comes in that time
 MakeSensor = Callable[[], Sensor]
 
 
@@ -155,7 +156,7 @@ class Conversion:
 
     def _release(self, output: Output, until: int | None) -> None:
         heap = self._heap
-        while heap and (until is None or heap[0][0] <= until):
+        while heap and (until is None or heap[0][0] <= until or len(heap) > MOST_HELD):
             log_ns, _, topic, message = heapq.heappop(heap)
             self._first = self._first or max(0, log_ns)
             self._last = max(log_ns, self._last)

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from importlib import import_module
 import threading
 import time
-from typing import Any, NamedTuple
+from typing import Any
 
 from bahrs_driver.driver_graph import NodeSearch, published
 from bahrs_driver.executor import StoppableExecutor
@@ -22,6 +22,7 @@ from bahrs_driver.printable import printable
 from bahrs_driver.recording.arrival_clock import ArrivalClock
 from bahrs_driver.recording.origin import parse_label
 from bahrs_driver.recording.sequence_count import missed, SequenceCount
+from bahrs_driver.recording.taken_queue import Taken, TakenQueue
 from bahrs_driver.recording.topics import profile, Qos, Topic
 import rclpy
 from rclpy.clock import Clock, ClockType
@@ -46,15 +47,6 @@ NEVER_RECORDED = ('parameter_events',)
 RAW_TYPE = 'std_msgs/msg/UInt8MultiArray'
 
 
-class Taken(NamedTuple):
-    """A message as it came. Times are in ns."""
-
-    log_time: int
-    topic: str
-    data: bytes
-    publish_time: int
-
-
 class Recorder:
     """Subscribes to all that a node publishes, or only to its raw bytes."""
 
@@ -76,7 +68,7 @@ class Recorder:
         self._clock = ArrivalClock()
         self._began = self._found = time.monotonic()
         self._new_topics: deque[Topic] = deque()
-        self._taken: deque[Taken] = deque()
+        self._taken = TakenQueue()
         self._late: list[Taken] = []    # that drain() keeps back
         self._last = 0                  # log time of the latest that was handed on
         self._delays = [0, 0]           # longest from arrival to being taken, of late, in ns
@@ -91,6 +83,11 @@ class Recorder:
     def lost(self) -> int:
         """How many messages were published between those that came, and did not come."""
         return sum(count.lost for count in [*self._counts.values()])
+
+    @property
+    def dropped(self) -> int:
+        """How many messages came and were dropped, as those before were not written in time."""
+        return self._taken.dropped
 
     @property
     def missed(self) -> dict[str, int]:
@@ -127,7 +124,7 @@ class Recorder:
         What came after a log time in ns is kept for the next call, so that what is older and
         still on its way comes before it.
         """
-        items = self._late + [self._taken.popleft() for _ in range(len(self._taken))]
+        items = self._late + self._taken.take_all()
         items.sort(key=lambda item: item.log_time)
         self._late = [item for item in items if until is not None and item.log_time > until]
         ready = items[:len(items) - len(self._late)]
@@ -193,7 +190,7 @@ class Recorder:
             if sequence:
                 count.add(sequence, log_time)
             self._delays[1] = max(self._delays[1], now - log_time)
-            self._taken.append(Taken(
+            self._taken.put(Taken(
                 log_time, name, data, info['source_timestamp'] or received or log_time))
         return take
 

@@ -286,3 +286,15 @@ def test_answers_of_which_the_requests_are_not_known(tmp_path):
              if sent.emission.name == 'sensors']
     errors = [stamp - true for stamp, true in zip(stamps(kept), truth)]
     assert len(errors) > 190 and 0 < min(errors) and max(errors) < 1_000_000
+
+
+def test_a_capture_whose_time_stands_still_is_converted_in_little_memory(tmp_path, monkeypatch):
+    """What is held until it is in order is limited in number, too; nothing of it is lost."""
+    monkeypatch.setattr('bahrs_driver.recording.conversion.MOST_HELD', 200)
+    chunks = [chunk._replace(read_at=ORIGIN, raw_at=5 * S) for chunk in flight(4.0)[0]]
+    conversion = Conversion(Pieces(chunks, tmp_path), defaults(), lambda: made(defaults()))
+    kept, held = Kept(), []
+    conversion.run(kept, lambda what: held.append(len(conversion._heap)))
+    assert max(held) <= 200
+    assert len(kept.messages['raw']) == len(chunks)
+    assert len(kept.times) > 1500 and kept.times == sorted(kept.times)

@@ -1,0 +1,21 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of sentences about clocks that wait for somebody who takes them."""
+
+from bahrs_driver.clock.notices import KEPT, Notices
+
+
+def test_each_is_taken_once():
+    """In the order in which they were added."""
+    notices = Notices()
+    notices.add('one')
+    notices.add('two')
+    assert notices.take() == ['one', 'two'] and notices.take() == []
+
+
+def test_the_latest_are_kept():
+    """When nobody takes them, as where a capture is only looked at."""
+    notices = Notices()
+    for number in range(1000):
+        notices.add(str(number))
+    assert notices.take() == [str(number) for number in range(1000 - KEPT, 1000)]
