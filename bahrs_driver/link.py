@@ -8,6 +8,7 @@ wrong is one sentence that names the port, the reason and the remedy, and is alw
 the port may be back in a second.
 """
 
+from collections.abc import Callable
 from functools import partial
 import os
 import threading
@@ -131,8 +132,9 @@ class Link:
 
     def _connect_to_server(self) -> Channel:
         address = self._address
-        connect = partial(TcpConnection, address.host, address.port) \
-            if address.scheme == 'socket' else partial(open_rfc2217, address.text, self.baud_rate)
+        connect: Callable[[], Channel] = partial(open_rfc2217, address.text, self.baud_rate)
+        if address.scheme == 'socket':
+            connect = partial(TcpConnection, address.host, address.port)
         channel = Attempt[Channel](connect).wait(self._reader_waker)
         if channel is None:
             raise InterruptedError('the driver is being stopped')
