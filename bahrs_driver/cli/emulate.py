@@ -14,7 +14,6 @@ from bahrs_driver.cli import emulate_bahrs, emulate_titan_m
 from bahrs_driver.cli.arguments import a_number, checked, opened
 from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.outputs import add_force, live_output, output_file, same_output
-from bahrs_driver.cli.signals import ENDING, heeded
 from bahrs_driver.emulator.cable import adapter_mode, Cable
 from bahrs_driver.emulator.control import COMMANDS, ControlError
 from bahrs_driver.emulator.emulation import Emulation
@@ -27,6 +26,7 @@ from bahrs_driver.emulator.session import Session
 from bahrs_driver.emulator.truth_file import HostTime, TruthFile
 from bahrs_driver.files.guard import reason, WriteError
 from bahrs_driver.printable import printable
+from bahrs_driver.shutdown_event import handled_signals
 
 # The module of each device has add_arguments and make_device.
 _DEVICES: dict[str, Any] = {'bahrs': emulate_bahrs, 'titan_m': emulate_titan_m}
@@ -156,8 +156,7 @@ def _run_on_port(options: argparse.Namespace, make: Callable[[HostTime], Session
 @contextlib.contextmanager
 def _signals_call(end: Callable[[], None]) -> Iterator[None]:
     """Let Ctrl-C and its relatives end the emulator, for they are the usual way to do so."""
-    handlers: dict[signal.Signals, Any] = dict.fromkeys(
-        heeded(ENDING), lambda *_: end())
+    handlers: dict[signal.Signals, Any] = dict.fromkeys(handled_signals(), lambda *_: end())
     # In the background of a shell the terminal is not ours to read; reading then fails, no more.
     handlers[signal.SIGTTIN] = signal.SIG_IGN
     before = {kind: signal.signal(kind, handler) for kind, handler in handlers.items()}

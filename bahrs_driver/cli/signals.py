@@ -8,24 +8,16 @@ leaves an ignored signal so. Whoever sends one to a verb wants its end, so handl
 whatever was inherited. Only a hang-up that is ignored stays so: nohup does that on purpose.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 import contextlib
 import signal
 
-from bahrs_driver.shutdown_event import ignore_signals, ShutdownEvent
-
-ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-
-
-def heeded(kinds: Iterable[signal.Signals]) -> list[signal.Signals]:
-    """Return the signals but a hang-up that is ignored."""
-    return [kind for kind in kinds
-            if kind is not signal.SIGHUP or signal.getsignal(kind) is not signal.SIG_IGN]
+from bahrs_driver.shutdown_event import handled_signals, ignore_signals, ShutdownEvent
 
 
 def interrupt_on_signals() -> None:
     """Let each signal that ends a verb raise KeyboardInterrupt, so that all tidy up alike."""
-    for kind in heeded(ENDING):
+    for kind in handled_signals():
         signal.signal(kind, signal.default_int_handler)
 
 
@@ -37,7 +29,7 @@ def shutdown_on_signal() -> Iterator[ShutdownEvent]:
     Once it is set the program ends, and further signals are ignored.
     """
     event = ShutdownEvent()
-    before = {kind: signal.getsignal(kind) for kind in heeded(ENDING)}
+    before = {kind: signal.getsignal(kind) for kind in handled_signals()}
     event.install_signal_handlers()
     try:
         yield event

@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 import signal
 
-from bahrs_driver.cli.signals import ENDING, heeded
+from bahrs_driver.shutdown_event import handled_signals
 from processes import command, Process, wait_for
 import pytest
 
@@ -20,7 +20,7 @@ def test_a_hang_up_is_left_ignored(before, kinds):
     """As nohup has it."""
     own = signal.signal(signal.SIGHUP, before)
     try:
-        assert heeded(ENDING) == kinds
+        assert handled_signals() == kinds
     finally:
         signal.signal(signal.SIGHUP, own)
 
