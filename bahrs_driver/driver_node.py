@@ -7,10 +7,12 @@ from typing import NoReturn
 
 from bahrs_driver.ros_start import check_import, missing_module, RosStartError
 from bahrs_driver.shutdown_event import end_process, ShutdownEvent
+from bahrs_driver.standard_streams import replace_closed_streams
 
 
 def main() -> NoReturn:
     """Run the node until a signal ends it; exit with status 0, or 1 if it cannot start."""
+    replace_closed_streams()
     shutdown = ShutdownEvent()
     shutdown.install_signal_handlers()
     shutdown.limit_exit_time()

@@ -119,6 +119,8 @@ def run(options: argparse.Namespace) -> int:
                 _run_to_file(options, session(HostTime()))
             else:
                 _run_on_port(options, session)
+        except BrokenPipeError:         # of standard output, whose reader has seen enough
+            raise
         except (OSError, WriteError) as error:
             raise CommandError(f'cannot go on: {reason(error)}') from error
     return 0

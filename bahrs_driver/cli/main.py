@@ -18,6 +18,7 @@ from bahrs_driver.recording.errors import CaptureError
 from bahrs_driver.ros_start import check_import, missing_module, RosStartError
 from bahrs_driver.settings.command_line import split
 from bahrs_driver.shutdown_event import ignore_signals
+from bahrs_driver.standard_streams import replace_closed_streams
 
 # Each verb is the module of its name; only the one asked for is imported, so that those that
 # need no ROS work without it.
@@ -60,6 +61,8 @@ class _Parser(argparse.ArgumentParser):
 
 def main(args: list[str] | None = None) -> int:
     """Run one verb; 0 on success, 1 on failure, 2 on a mistake in the command line."""
+    if args is None:
+        replace_closed_streams()
     words, for_ros = split(sys.argv[1:] if args is None else args)
     if isinstance(sys.stdout, TextIOWrapper):       # the name of a file may be any bytes
         sys.stdout.reconfigure(errors='backslashreplace')
@@ -87,7 +90,7 @@ def _status(verb: str, words: list[str], for_ros: list[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:
-        print(f'bahrs {verb}: cannot go on: {printable(error)}', file=sys.stderr)
+        print(f'bahrs {verb}: cannot go on: {printable(error.strerror or error)}', file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
 

@@ -1,0 +1,23 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Standard streams that the parent process has closed.
+
+The next file that is opened takes the number of one that is closed. Then log lines go into a serial
+port, or into the pipe that ends the program.
+"""
+
+import os
+import sys
+
+_MODES = {'stdin': 'r', 'stdout': 'w', 'stderr': 'w'}
+
+
+def replace_closed_streams() -> None:
+    """Let streams that are closed be empty, and discard what is written. Call it first of all."""
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) < len(_MODES):
+        os.set_inheritable(descriptor, True)
+    os.close(descriptor)
+    for number, (name, mode) in enumerate(_MODES.items()):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(number, mode, closefd=False))
