@@ -31,7 +31,7 @@ _EXAMPLES = """examples:
   bahrs decode flight.bin                       what is in it
   bahrs decode --json flight.bin                the same for a script
   bahrs decode --format jsonl flight.bin        one JSON object a message, SI units
-  cat /dev/ttyUSB0 | bahrs decode --format csv - > flight.csv
+  stty -F /dev/ttyUSB0 115200 raw -echo && bahrs decode --format csv /dev/ttyUSB0 > flight.csv
   bahrs decode --sensor titan_m answers.bin     what a Titan-M answered
 """
 
@@ -42,7 +42,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'Decode a stream of bytes from a sensor. Lines of jsonl and csv are in stream order\n'
         'and SI units (rad, m, m/s, m/s^2, device time in us) unless a name says otherwise.')
     parser.epilog = _EXAMPLES
-    parser.add_argument('file', help='file of bytes as the device sent them; - is standard input')
+    parser.add_argument('file', help='file of bytes as the device sent them, or a port that stty has set; - '
+                        'is standard input')
     parser.add_argument('--format', choices=('summary', 'jsonl', 'csv'), default='summary',
                         help='what to print (default: %(default)s)')
     decode_sensors.add_arguments(parser)

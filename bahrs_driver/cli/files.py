@@ -4,19 +4,34 @@
 
 from collections.abc import Iterator
 import contextlib
+import shlex
 import sys
+import termios
 from typing import BinaryIO
 
 from bahrs_driver.cli.arguments import opened
+from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.printable import printable
 
 STANDARD_INPUT = '-'
+_LOCAL_MODES = 3        # index of these flags in what tcgetattr() returns
 
 
 @contextlib.contextmanager
 def binary_input(name: str) -> Iterator[BinaryIO]:
     """Open a file for reading; "-" is standard input. CommandError if it cannot be."""
     if name == STANDARD_INPUT:
+        _refuse_lines(sys.stdin.buffer, 'standard input', 'name a file, or pipe one in')
         yield sys.stdin.buffer
         return
     with opened(name, 'rb') as file:
+        _refuse_lines(file, printable(name),
+                      f'run "stty -F {shlex.quote(printable(name))} 115200 raw -echo" first')
         yield file
+
+
+def _refuse_lines(file: BinaryIO, name: str, remedy: str) -> None:
+    """Raise CommandError for a terminal that hands over edited lines in place of bytes."""
+    with contextlib.suppress(termios.error, OSError):       # no terminal
+        if termios.tcgetattr(file.fileno())[_LOCAL_MODES] & termios.ICANON:
+            raise CommandError(f'{name} is a terminal that is not in raw mode: {remedy}')

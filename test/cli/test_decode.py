@@ -4,9 +4,13 @@
 
 import csv
 import json
+import os
+import pty
+import select
 import shlex
 import subprocess
 import tempfile
+import termios
 
 from bahrs_driver.cli.main import main
 from bahrs_driver.protocol.bahrs import (
@@ -16,7 +20,7 @@ from bahrs_driver.protocol.bahrs import (
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec, build_frame
 from bahrs_driver.protocol.integrity import Integrity
 from hypothesis import given, HealthCheck, settings, strategies as st
-from processes import command
+from processes import command, PATIENCE, wait_for
 import pytest
 from shared_files import shared_file
 
@@ -30,6 +34,9 @@ MESSAGES = [
     Accuracy(0, 0.01, None, 0.02, 5000),
     NvmPage(9, bytes(range(32))),
 ]
+EVERY_BYTE = b''.join(
+    BahrsCodec().encode(NvmPage(index, bytes(range(32 * index, 32 * index + 32))), 3)
+    for index in range(8))
 STREAM = b''.join(BahrsCodec().encode(message, 3) for message in MESSAGES)
 
 
@@ -43,6 +50,32 @@ def decode(*words, data=None):
 def summary(text):
     """Return the summary as a dictionary."""
     return {line[:22].strip(): line[22:].strip() for line in text.splitlines()}
+
+
+def test_the_port_of_the_example(tmp_path):
+    """The command that --help shows sets the port; one that is not set is refused."""
+    ours, theirs = pty.openpty()
+    with os.fdopen(ours, 'wb', buffering=0) as device, os.fdopen(theirs) as far_end:
+        port = os.ttyname(far_end.fileno())
+        for words, data in (([port], None), (['-'], far_end)):
+            done = subprocess.run(command('bahrs', 'decode', *words), stdin=data, text=True,
+                                  capture_output=True, timeout=PATIENCE, check=False)
+            assert done.returncode == 1 and 'is not in raw mode' in done.stderr
+        shown = decode('--help')[0]
+        example = next(line for line in shown.splitlines() if '/dev/ttyUSB0' in line)
+        script = example.replace('/dev/ttyUSB0', port).replace(
+            'bahrs ', shlex.join(command('bahrs')) + ' ').replace('flight', f'{tmp_path}/flight')
+        with subprocess.Popen(['sh', '-c', script], stderr=subprocess.PIPE) as shell:
+            poll = select.poll()
+            poll.register(far_end, select.POLLIN)
+            # Until it is in raw mode, nothing; then all, with every control character.
+            assert wait_for(lambda: not termios.tcgetattr(far_end)[3] & termios.ICANON)
+            device.write(EVERY_BYTE)
+            assert wait_for(lambda: not poll.poll(0))
+            device.close()
+            assert shell.wait(PATIENCE) == 0 and shell.stderr.read() == b''
+    assert (tmp_path / 'flight.csv').read_text() == decode('--format', 'csv', '-',
+                                                           data=EVERY_BYTE)[0]
 
 
 def test_jsonl_has_a_line_a_message_in_si():
