@@ -67,6 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Convert; 1 if there was nothing to convert."""
     options.namespace = checked_namespace(options.namespace)
+    _refuse_pipe(options.input)
     try:
         capture = read_capture(options.input, options.topic)
         name = sensor_of(capture, options.sensor, SENSORS)
@@ -85,6 +86,14 @@ def run(options: argparse.Namespace) -> int:
     _report(options, [*unused_options(options, capture.timed), *notes, *capture.notes,
                       *conversion.notices, *outcome.clock_steps], outcome)
     return 0
+
+
+def _refuse_pipe(name: str) -> None:
+    """Raise CommandError for what cannot be read from its beginning again."""
+    source = Path(name)
+    if source.exists() and not (source.is_file() or source.is_dir()):
+        raise CommandError(f'{printable(name)} is not a regular file, and a conversion reads its '
+                           'input twice: write the bytes into a file first')
 
 
 def _convert(options: argparse.Namespace, conversion: Conversion, capture: Capture,

@@ -13,7 +13,7 @@ import contextlib
 import os
 from pathlib import Path
 
-from bahrs_driver.files.guard import reason, WriteError
+from bahrs_driver.files.guard import check_target, reason, WriteError
 from bahrs_driver.printable import printable
 
 
@@ -75,6 +75,7 @@ class SealedFile:
         try:
             _write(self._file, data, self._place)
             if self._hidden:
+                check_target(str(self._path), self._path, replace=False)
                 self._hidden.replace(self._path)
                 self._hidden = None
         except OSError as error:

@@ -5,6 +5,7 @@
 from collections import defaultdict
 import csv
 import json
+import os
 
 from bags import write_bag
 from bahrs_driver.convert import raw
@@ -232,3 +233,37 @@ def test_a_topic_that_is_not_there(tmp_path):
     status, text = convert(tmp_path / 'bag', tmp_path / 'out', '--topic', '/nope')
     assert status == 1
     assert text.endswith('has no topic /nope of type std_msgs/msg/UInt8MultiArray, but /raw\n')
+
+
+def test_two_into_one_target(byte_file, tmp_path):
+    """One makes it, whole; the other is refused, and takes nothing away."""
+    target, foreign = tmp_path / 'out', tmp_path / '.out.partial'
+    foreign.mkdir()
+    (foreign / 'precious').touch()
+    words = ('bahrs', 'convert', str(byte_file), str(target))
+    with running(*words) as one, running(*words) as other:
+        statuses = sorted(process.wait(LONG) for process in (one, other))
+        assert statuses == [0, 1] and 'Traceback' not in one.text + other.text
+        assert 'exists already' in one.text + other.text
+    alone = tmp_path / 'alone'
+    assert convert(byte_file, alone)[0] == 0 and read(target) == read(alone)
+    assert set(tmp_path.iterdir()) == {byte_file, target, alone, foreign}
+    assert (foreign / 'precious').exists()
+
+
+def test_an_interrupted_conversion_leaves_nothing(tmp_path):
+    """However far it was."""
+    file = tmp_path / 'flight.bin'
+    file.write_bytes(b''.join(item.data for item in emissions(make_device(), 60.0)))
+    with running('bahrs', 'convert', str(file), str(tmp_path / 'out')) as process:
+        assert wait_for(lambda: list(tmp_path.glob('.bahrs_*/out/*')), LONG)
+        assert process.end() == 130 and 'Traceback' not in process.text
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_what_cannot_be_read_twice(tmp_path):
+    """A pipe would keep the second pass waiting for ever."""
+    os.mkfifo(tmp_path / 'pipe')
+    for source in (tmp_path / 'pipe', '/dev/zero'):
+        status, text = convert(source, tmp_path / 'out')
+        assert status == 1 and 'write the bytes into a file first' in text

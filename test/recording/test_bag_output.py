@@ -125,6 +125,16 @@ def test_no_file_before_it_is_whole(tmp_path):
     file.close()
 
 
+def test_a_file_that_another_has_made_meanwhile_is_not_replaced(tmp_path):
+    """Though it has the name of the next one."""
+    bag = BagWriter(tmp_path / 'bag')
+    (tmp_path / 'bag' / 'bag_1.mcap').write_text('precious')
+    with pytest.raises(CaptureError, match='bag_1.mcap exists already'):
+        bag.split()
+    bag.close()
+    assert (tmp_path / 'bag' / 'bag_1.mcap').read_text() == 'precious'
+
+
 def test_split(tmp_path):
     """Each file has all topics and is whole; metadata.yaml has them all."""
     with BagWriter(tmp_path / 'bag') as bag:
