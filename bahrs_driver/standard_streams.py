@@ -3,8 +3,8 @@
 """
 Standard streams that the parent process has closed.
 
-The next file that is opened takes the number of one that is closed. Then log lines go into a serial
-port, or into the pipe that ends the program.
+The next file that is opened takes the number of one that is closed. Then log lines go into a
+serial port, or into the pipe that ends the program.
 """
 
 import os

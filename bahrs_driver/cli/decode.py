@@ -42,8 +42,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'Decode a stream of bytes from a sensor. Lines of jsonl and csv are in stream order\n'
         'and SI units (rad, m, m/s, m/s^2, device time in us) unless a name says otherwise.')
     parser.epilog = _EXAMPLES
-    parser.add_argument('file', help='file of bytes as the device sent them, or a port that stty has set; - '
-                        'is standard input')
+    parser.add_argument('file', help='file of bytes as the device sent them, or a port that stty '
+                                     'has set; - is standard input')
     parser.add_argument('--format', choices=('summary', 'jsonl', 'csv'), default='summary',
                         help='what to print (default: %(default)s)')
     decode_sensors.add_arguments(parser)
