@@ -71,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
     failure = ''
     faults = FaultLog(lambda text: print(f'bahrs record: {text}', file=sys.stderr), str)
     with shutdown_on_signal() as ended, ros_session(options) as keep:
-        bag = _new_bag(options.output)
+        bag = new_bag(options.output)
         with start_errors(options.ros_arguments):
             recorder = keep(Recorder(
                 selection, options.raw_only,
@@ -90,7 +90,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _new_bag(output: str | None) -> BagWriter:
+def new_bag(output: str | None) -> BagWriter:
     """Make the bag that is named, or one under a name that nobody else has taken."""
     base = output or time.strftime('bahrs_%Y_%m_%d-%H_%M_%S')
     for folder in chain([base], (f'{base}_{number}' for number in count(2))):

@@ -234,3 +234,20 @@ def test_a_clock_that_is_set_back(tmp_path, raw_only):
             log_time_order=False) if channel.topic == '/raw']
     assert times == sorted(times) and len(set(times)) > 0.9 * len(times)
     assert 0.5e9 < times[-1] - times[0] < LONG * 1e9
+
+
+def test_names_of_bags_that_begin_in_the_same_second(tmp_path, monkeypatch):
+    """Each is another one, and a bag that is there is never written over."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(time, 'strftime', lambda form: 'bahrs_now')
+    with ThreadPoolExecutor(4) as pool:
+        bags = [*pool.map(lambda _: new_bag(None), range(8))]
+    for bag in bags:
+        bag.close()
+    assert {str(bag.folder) for bag in bags} == {
+        'bahrs_now', *(f'bahrs_now_{number}' for number in range(2, 9))}
+    for folder in tmp_path.iterdir():
+        with Reader(folder) as reader:
+            assert reader.message_count == 0
+    with pytest.raises(CaptureError, match='bahrs_now exists already'):
+        new_bag('bahrs_now')
