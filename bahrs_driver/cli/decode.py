@@ -9,18 +9,22 @@ import csv
 import dataclasses
 import json
 import math
+from pathlib import Path
 import sys
 from typing import Any, BinaryIO
 
 from bahrs_driver.cli import decode_sensors
 from bahrs_driver.cli.decode_sensors import Decoder, DECODERS
+from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.files import binary_input
 from bahrs_driver.printable import printable
 from bahrs_driver.protocol.bahrs import TimeMessage
 from bahrs_driver.protocol.framing import Frame, Framer
 from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.recording.bag_kind import is_bag
 
 _CHUNK = 65536
+TIME = 'device_time_us'
 _BODY, _NED = ('_x', '_y', '_z'), ('_north', '_east', '_down')
 _SUFFIXES = {'specific_force': _BODY, 'angular_rate': _BODY, 'unique_id': ('_1', '_2', '_3'),
              'position_ned': _NED, 'velocity_ned': _NED,
@@ -40,7 +44,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
         'Decode a stream of bytes from a sensor. Lines of jsonl and csv are in stream order\n'
-        'and SI units (rad, m, m/s, m/s^2, device time in us) unless a name says otherwise.')
+        'and SI units (rad, m, m/s, m/s^2, device time in us) unless a name says otherwise.\n'
+        'csv has the device time of each message where it is known, and an empty cell for a value\n'
+        'that is not available; jsonl has values as they were sent, beside their integrity.')
     parser.epilog = _EXAMPLES
     parser.add_argument('file', help='file of bytes as the device sent them, or a port that stty '
                                      'has set; - is standard input')
@@ -53,6 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Decode, and print in the format asked for; 1 if there was nothing to decode at all."""
+    _refuse_bag(Path(options.file))
     decoder = DECODERS[options.sensor](options)
     framer = decoder.framer
     with binary_input(options.file) as file:
@@ -73,6 +80,13 @@ def run(options: argparse.Namespace) -> int:
     if complaint:
         print(f'bahrs decode: {complaint}', file=sys.stderr)
     return 1 if complaint else 0
+
+
+def _refuse_bag(path: Path) -> None:
+    """Raise CommandError for a bag: the bytes of its storage would be taken for damage."""
+    if path.is_file() and is_bag(path):
+        raise CommandError(f'{printable(path)} is a bag: make topics or CSV files of it with bahrs '
+                           'convert, or a page with bahrs report')
 
 
 def record(decoder: Decoder, frame: Frame, message: Any) -> dict[str, Any]:
@@ -106,21 +120,24 @@ def _print_csv(decoder: Decoder, messages: Iterable[tuple[Frame, Any]]) -> None:
     Print a row a message, a column for every field of any message.
 
     A cell is empty where the message has no such field, or its value is not available: a number
-    would be taken for a measurement.
+    would be taken for a measurement. Device time is that of the message itself, as its counter and
+    the time messages around it tell.
     """
     head = ('message', *decoder.head, 'offset')
     columns = list(head)
     for kind in decoder.kinds:
         columns += [name for name in _columns(kind) if name not in columns]
+    if TIME in columns:
+        columns.remove(TIME)
+        columns.insert(1, TIME)
     writer = csv.DictWriter(sys.stdout, columns, lineterminator='\n')
     writer.writeheader()
-    for frame, message in messages:
+    for frame, message, time_us in decoder.timed(messages):
         fields = record(decoder, frame, message)
         row = {name: fields.pop(name) for name in head}
-        names = _columns(type(message))
-        row.update(zip(names, _flat(fields.values())))
+        row.update(zip(_columns(type(message)), _flat(fields.values())))
         row.update(dict.fromkeys(decoder.unavailable(message)))
-        writer.writerow(row)
+        writer.writerow({**row, TIME: time_us} if TIME in columns else row)
 
 
 def _columns(kind: type[Any]) -> list[str]:

@@ -12,6 +12,7 @@ from bahrs_driver.protocol.framing import Frame, Framer
 from bahrs_driver.protocol.payload_order import PayloadReader
 from bahrs_driver.protocol.titan_frames import answer_of, AnswerFormat, message_id
 from bahrs_driver.protocol.titan_m import ANSWERS, Gps, LAST_ZONE
+from bahrs_driver.recording.message_times import with_times
 
 
 _OF_A_POSITION = ('easting', 'northing', 'altitude', 'velocity_ned_north', 'velocity_ned_east',
@@ -36,6 +37,10 @@ class Decoder(Protocol):
 
     def messages(self, frames: Iterable[Frame]) -> Iterable[tuple[Frame, Any]]:
         """Return the messages that frames complete, in the order of the stream."""
+
+    def timed(self, messages: Iterable[tuple[Frame, Any]]
+              ) -> Iterable[tuple[Frame, Any, int | None]]:
+        """Return the messages with the device time of each in us; None if it is not known."""
 
     def about(self, frame: Frame) -> dict[str, Any]:
         """Return what a frame says beside its message."""
@@ -66,18 +71,23 @@ class BahrsDecoder:
         """Return the messages that frames complete, in the order of the stream."""
         return ((frame, self._codec.decode(frame)) for frame in frames)
 
+    def timed(self, messages: Iterable[tuple[Frame, Any]]
+              ) -> Iterable[tuple[Frame, Any, int | None]]:
+        """Return the messages with the device time of each in us; None if it is not known."""
+        return with_times(messages)
+
     def about(self, frame: Frame) -> dict[str, Any]:
         """Return the version of the protocol."""
         return {'version': frame_version(frame.data)}
 
     def unavailable(self, message: Any) -> Sequence[str]:
-        """Return the signals that are not available, and times that are not known yet."""
+        """Return the signals that are not available, and what a time message does not name."""
         if message.SIGNALS:
             return [name for name, integrity in zip(message.SIGNALS, message.health)
                     if not integrity.available]
         if isinstance(message, TimeMessage) and not message.valid:
-            return ('device_time_us', 'reference_sequence')
-        return () if getattr(message, 'device_time_us', True) else ('device_time_us',)
+            return ('reference_sequence',)
+        return ()
 
     def detected(self) -> list[tuple[str, object]]:
         """Return what was found out of the device's protocol, by name."""
@@ -107,6 +117,11 @@ class TitanDecoder:
             answer = answer_of(frame)
             for message, found in self._reader.read(answer.kind, answer.payload, frame):
                 yield found, message
+
+    def timed(self, messages: Iterable[tuple[Frame, Any]]
+              ) -> Iterable[tuple[Frame, Any, int | None]]:
+        """Return the messages without a time: answers say none but that of the GPS."""
+        return ((frame, message, None) for frame, message in messages)
 
     def about(self, frame: Frame) -> dict[str, Any]:
         """Return no version, and the id that the answer came with."""

@@ -9,4 +9,5 @@ and `sqlite_input` read their messages, with `compression` and `damage`. `bag_ou
 out of `topics`, `metadata` and `sealed_file`, and `recorder` listens to a node. `conversion` makes
 topics of a capture, with `byte_times` for one without times, `log_clock` for even log times and
 `flight_health` for the diagnostics, and writes into `outputs`, with `serialization`.
+`message_times` has device times for messages that are only decoded.
 """

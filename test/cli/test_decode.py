@@ -12,6 +12,7 @@ import subprocess
 import tempfile
 import termios
 
+from bags import every_form
 from bahrs_driver.cli.main import main
 from bahrs_driver.protocol.bahrs import (
     Accuracy, HardwareVersion, Inertial, InertialTime, Navigation, NavigationTime, NvmPage,
@@ -133,6 +134,22 @@ def test_csv_has_no_number_for_what_is_not_available(capsys, inertial, navigatio
             assert not row[signal] or float(row[signal]) != 0
 
 
+def test_csv_has_the_time_of_each_message():
+    """That of a recording of the real device; a pause before the second time message has none."""
+    out, _, _ = decode('--format', 'csv', str(shared_file('data/bahrs_recording_v2.bin')))
+    rows = list(csv.DictReader(out.splitlines()))
+    for message, period in (('inertial', 5000), ('navigation', 10_000)):
+        times = [row['device_time_us'] for row in rows if row['message'] == message]
+        known = [int(time) for time in times[25:]]
+        assert len(known) == len(times) - 25
+        assert all(abs(later - sooner - period) <= 2 for sooner, later in zip(known, known[1:]))
+    data = [row for row in rows if row['message'] in ('inertial', 'inertial_time')]
+    for sample, time in zip(data, data[1:]):
+        if time['message'] == 'inertial_time' and sample['device_time_us']:
+            assert time['device_time_us'] == sample['device_time_us']
+    assert list(rows[0])[1] == 'device_time_us'
+
+
 def test_csv_has_no_time_that_is_not_known(capsys):
     """A device that has none yet sends zeros."""
     messages = (NavigationTime(0, 0, 0), InertialTime(0, 0, 5000),
@@ -175,6 +192,13 @@ def test_what_cannot_be_decoded(words, data, status, sentence):
     """One sentence, and an exit status that is not 0."""
     _, err, found = decode(*words, data=data)
     assert found == status and sentence in err and 'Traceback' not in err
+
+
+def test_a_bag_is_not_decoded(tmp_path):
+    """The sentence says which verbs read it."""
+    for file in every_form(tmp_path):
+        out, err, status = decode('--format', 'jsonl', str(file))
+        assert (status, out) == (1, '') and 'is a bag: ' in err and 'bahrs convert' in err
 
 
 def test_reader_that_has_seen_enough():

@@ -3,19 +3,23 @@
 """Tests of `bahrs record`, as a process beside a driver: what ends it, and what is left then."""
 
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 import contextlib
 import json
 import os
 import re
 import resource
 import signal
+import time
 
+from bahrs_driver.cli.record import new_bag
 from bahrs_driver.convert.bahrs import TOPICS
 from bahrs_driver.emulator.pty_port import PtyPort
 from bahrs_driver.protocol.bahrs import FORCE
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.recording.capture import read_capture
+from bahrs_driver.recording.errors import CaptureError
 from devices import DEEP, Device
 from mcap.reader import make_reader
 from processes import driver, running, wait_for
