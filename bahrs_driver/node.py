@@ -123,15 +123,20 @@ class DriverNode(Node):
     def link_opened(self) -> None:
         """Note that another stream begins."""
         self._byte_ns = self._link.byte_time_ns
-        self._log.info(f'{self._link.name} is open')
         self._sensor.health.opened()
         if self._sensor.requester:
             self._sensor.requester.opened()
         self._report_change()
 
-    def link_failed(self, reason: str) -> None:
-        """Tell why there is no data."""
-        self._log.error(reason)
+    def link_usable(self) -> None:
+        """Log that the port is open."""
+        self._log.info(f'{self._link.name} is open')
+        self._report_change()
+
+    def link_failed(self, reason: str, known: bool) -> None:
+        """End the stream, and log why there is no data unless that is known."""
+        if not known:
+            self._log.error(reason)
         self._publish(self._sensor.converter.lost(time.time_ns()))
         if self._sensor.nvm:
             self._sensor.nvm.lost(reason)

@@ -21,6 +21,7 @@ from bahrs_driver.protocol.framing import Frame, Framer
 
 FIRST_PAUSE = 0.1       # s, before the port is tried again
 LONGEST_PAUSE = 2.0     # s
+STEADY = 2.0            # s that a port without frames must stay open to be called open again
 SAMPLE_SIZE = 256       # bytes kept to tell what a stream without frames may be
 READING = 'reading the port'
 
@@ -39,10 +40,17 @@ class Listener(Protocol):
     """Who is told what happens on the link. Called on the receiver's thread."""
 
     def link_opened(self) -> None:
-        """Take note that the port was opened, and that another stream begins."""
+        """Begin another stream: the port was opened."""
 
-    def link_failed(self, reason: str) -> None:
-        """Take note why the port cannot be opened, or was lost; told once for every reason."""
+    def link_usable(self) -> None:
+        """Report that the port is open; not called for one that is lost again at once."""
+
+    def link_failed(self, reason: str, known: bool) -> None:
+        """
+        End the stream, and report why the port cannot be opened, or was lost.
+
+        If the reason is known, it was reported before, and only a stream has ended.
+        """
 
     def bytes_read(self, reading: Reading) -> None:
         """Take the bytes of a read as they came, before anything is made of them."""
@@ -86,6 +94,9 @@ class Receiver:
         self._faults = faults
         self._pause = FIRST_PAUSE
         self._absence_told = False
+        self._opened_at: float | None = None        # time.monotonic(); None while closed
+        self._has_frames = False        # since it was opened
+        self._flapping = False          # the latest opening was lost at once, without a frame
         self._stopping = threading.Event()
 
     def stop(self) -> None:
@@ -111,11 +122,19 @@ class Receiver:
     def _open(self) -> None:
         self._link.connect()
         self._clock.begin(self._link.byte_time_ns)
-        self.counters.open_since = time.monotonic()
+        self._opened_at, self._has_frames = time.monotonic(), False
         self.counters.times_opened += 1
-        self.counters.error = ''
-        self._absence_told = False
-        self._survive('reporting that the port is open', self._listener.link_opened)
+        self._survive('beginning a stream', self._listener.link_opened)
+        if not self._flapping:
+            self._report_open()
+
+    def _report_open(self) -> None:
+        """Report that the port is open, once for each opening."""
+        if self.counters.open_since is None:
+            self.counters.open_since = self._opened_at
+            self.counters.error = ''
+            self._absence_told = False
+            self._survive('reporting that the port is open', self._listener.link_usable)
 
     def _read_on(self) -> None:
         while not self._stopping.is_set():
@@ -124,6 +143,11 @@ class Receiver:
                 self._survive('noticing silence', self._listener.nothing_read)
             else:
                 self._take(reading)
+            if self._open_for() >= STEADY:
+                self._report_open()
+
+    def _open_for(self) -> float:
+        return 0.0 if self._opened_at is None else time.monotonic() - self._opened_at
 
     def _take(self, reading: Reading) -> None:
         self._survive('handing out bytes', self._listener.bytes_read, reading)
@@ -134,7 +158,8 @@ class Receiver:
         try:
             frames = self._framer.feed(reading.data)
             if frames:          # a port that opens and closes at once is not tried any faster
-                self._pause = FIRST_PAUSE
+                self._pause, self._has_frames = FIRST_PAUSE, True
+                self._report_open()
             self._clock.read(reading.now, self._framer.received)
             self._hand_over(self._stamped(frames))
         except Exception as error:
@@ -162,26 +187,29 @@ class Receiver:
         """Close the port, report why, and wait before it is tried again."""
         # First, for a port that is held open comes back under another name.
         self._survive('closing the port', self._link.close)
-        if self.counters.open_since is not None:
-            self.counters.open_since = None
+        was_open = self._opened_at is not None
+        if was_open:
+            # Such as a server whose only connection is taken, which hangs up on all others.
+            self._flapping = not self._has_frames and self._open_for() < STEADY
+            self._opened_at = self.counters.open_since = None
             self._survive('ending a stream', self._end_stream)
         if self._stopping.is_set():         # which is why it failed
             return
-        self._fail(error)
+        self._fail(error, was_open)
         self._stopping.wait(self._pause)
         self._pause = min(2 * self._pause, LONGEST_PAUSE)
 
     def _end_stream(self) -> None:
         self._hand_over(self._stamped(self._framer.flush()) + self._clock.end())
 
-    def _fail(self, error: LinkError) -> None:
+    def _fail(self, error: LinkError, was_open: bool) -> None:
         reason = str(error)
-        told = reason == self.counters.error or (error.absent and self._absence_told)
+        known = reason == self.counters.error or (error.absent and self._absence_told)
         self._absence_told = error.absent
         self.counters.error = self.counters.last_error = reason
-        if not told:
+        if was_open or not known:
             self._survive('reporting that the port is not open', self._listener.link_failed,
-                          reason)
+                          reason, known)
 
     def _survive(self, activity: str, function: Callable[..., None], *arguments: Any) -> None:
         """Call a function; a fault in it must not end the stream."""

@@ -74,14 +74,21 @@ class Diary:
         """Begin with nothing."""
         self.entries = []
         self.readings = []
+        self.streams = self.ends = 0
 
     def link_opened(self):
+        """Count it."""
+        self.streams += 1
+
+    def link_usable(self):
         """Note it."""
         self.entries.append('opened')
 
-    def link_failed(self, reason):
+    def link_failed(self, reason, known):
         """Note why."""
-        self.entries.append(reason)
+        self.ends += 1
+        if not known:
+            self.entries.append(reason)
 
     def time_changed(self, sentence):
         """Note it."""
@@ -180,6 +187,24 @@ def test_a_port_that_is_gone_need_not_be_told_to_be_missing(play):
         'opened', [1]]
 
 
+def test_a_port_that_is_lost_at_once_again_and_again_is_told_once(play):
+    """Such as a server that hangs up on a second client; until there are frames."""
+    diary, receiver = play(*[[b'Port already in use\r\n']] * 20, [b''], [FRAMES[0]],
+                           [b'Port already in use\r\n'], [FRAMES[1]])
+    assert [entry for entry in diary.entries if entry != 'nothing'][:8] == [
+        'opened', 'port is gone', 'opened', [0], 'port is gone', 'opened', 'port is gone',
+        'opened']
+    assert receiver.counters.times_opened == 24
+    assert diary.streams == 24 and diary.ends >= 24
+
+
+def test_a_port_that_stays_open_is_told_without_frames(play, monkeypatch):
+    """After a while, though it was lost at once before."""
+    monkeypatch.setattr(receiver_module, 'STEADY', 0.0)
+    diary, _ = play([b'x'], [b'x'])
+    assert diary.entries[:4] == ['opened', 'port is gone', 'opened', 'port is gone']
+
+
 def test_half_a_frame_does_not_spoil_the_next_stream(play):
     """What was begun before the cable was pulled is dropped."""
     diary, receiver = play([FRAMES[0][:11]], [FRAMES[1]])
@@ -232,8 +257,8 @@ METHODS = {
     'framer': ('feed', 'flush'),
     'codec': ('decode',),
     'clock': ('begin', 'read', 'stamp', 'end', 'take_notices'),
-    'listener': ('link_opened', 'link_failed', 'bytes_read', 'nothing_read', 'received',
-                 'time_changed')}
+    'listener': ('link_opened', 'link_usable', 'link_failed', 'bytes_read', 'nothing_read',
+                 'received', 'time_changed')}
 FAULTS = (ValueError('bad'), KeyError(3), OSError(5, 'I/O'), RuntimeError(), TypeError('x'),
           UnicodeDecodeError('utf-8', b'x', 0, 1, 'bad'), MemoryError(), RecursionError(),
           AssertionError(), ZeroDivisionError(), StopIteration(), OverflowError('\x1b[2J'))

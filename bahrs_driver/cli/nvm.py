@@ -175,7 +175,10 @@ class Device:
         """Take note that there is a port."""
         self._opened.set()
 
-    def link_failed(self, reason: str) -> None:
+    def link_usable(self) -> None:
+        """Do nothing: that it was opened is enough."""
+
+    def link_failed(self, reason: str, known: bool) -> None:
         """Take note that there is none, or no longer one."""
         self.failure = reason
         self._opened.set()

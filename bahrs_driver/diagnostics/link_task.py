@@ -39,11 +39,17 @@ class LinkTask:
         if open_since is None:
             return Verdict(ERROR, counters.error or f'{port} is not open yet')
         if self._silent(open_since, now):
-            names = self._sharing.names(now)
             return Verdict(ERROR, f'{port} is open but silent: {self._silence_hint}'
-                           + (names and f' Another program has it open, too ({names})'))
+                                  f'{self._what_else(now)}')
         sharing = self._sharing.sentence(now)
         return Verdict(ERROR, sharing) if sharing else Verdict(OK, f'{port} is open')
+
+    def _what_else(self, now: float) -> str:
+        """Return what else is known of a silent port."""
+        if self._link.is_network:
+            return ' The connection to the serial server is up.'
+        names = self._sharing.names(now)
+        return names and f' Another program has it open, too ({names}).'
 
     def check_sharing(self, now: float) -> None:
         """Look for other programs that read the port, which takes a while; call it at 1 Hz."""

@@ -23,7 +23,8 @@ import pytest
 
 SAFE, RISK = Integrity.SAFE, Integrity.INTEGRITY_RISK
 GONE, RESERVED = Integrity.UNAVAILABLE, Integrity.RESERVED
-LINK = SimpleNamespace(name='/dev/ttyUSB0', path='/dev/ttyUSB0', baud_rate=115200, stolen=0)
+LINK = SimpleNamespace(name='/dev/ttyUSB0', path='/dev/ttyUSB0', is_network=False,
+                       baud_rate=115200, stolen=0)
 HINT = 'is the device powered?'
 NAVIGATION = Navigation(0, 500.0, 0.0, 0.0, 0.0, 0.0, (SAFE,) * 5)
 
@@ -49,6 +50,14 @@ def test_a_silent_port_is_an_error_that_says_what_to_look_at(last_data):
     level, message = link_verdict(open_since=95.0, last_data=last_data)
     assert level == ERROR
     assert message == '/dev/ttyUSB0 is open but silent: is the device powered?'
+
+
+def test_a_silent_server_is_not_the_connection():
+    """Keep-alive would have noticed."""
+    link = SimpleNamespace(name='socket://h:1', path='', is_network=True, stolen=0)
+    task = LinkTask(link, LinkCounters(open_since=1.0), 1.0, HINT, int)
+    assert task.judge(100.0).message.endswith(
+        'powered? The connection to the serial server is up.')
 
 
 def test_a_port_just_opened_is_not_yet_silent():

@@ -6,6 +6,8 @@ import contextlib
 import os
 from pathlib import Path
 import select
+import subprocess
+import sys
 import threading
 
 from bahrs_driver.emulator.pty_port import PtyPort
@@ -85,6 +87,38 @@ def test_it_waits_until_all_is_read():
             timer.join()
             port.write(bytes(10))
         assert port.wait_until_read(0.0)
+
+
+# As an ordinary user: a reader that has the port for itself alone reads half a second later.
+EXCLUSIVE = """
+import fcntl, os, sys, termios, threading, time
+from bahrs_driver.emulator.pty_port import PtyPort
+if os.geteuid() == 0:
+    os.setgroups([]); os.setgid(65534); os.setuid(65534)
+with PtyPort() as port:
+    far = os.open(port.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    fcntl.ioctl(far, termios.TIOCEXCL)
+    port.write(bytes(99))
+    def read():
+        time.sleep(0.5)
+        print(len(os.read(far, 4096)), flush=True)
+    reader = threading.Thread(target=read)
+    reader.start()
+    print(port.wait_until_read(60.0), flush=True)
+    reader.join()
+    port.close()
+    try:
+        print(os.read(far, 1))
+    except OSError:
+        print('closed')
+"""
+
+
+def test_a_reader_that_nobody_may_watch_is_given_time():
+    """An ordinary user cannot look at what a port holds that is open for one program alone."""
+    done = subprocess.run([sys.executable, '-c', EXCLUSIVE], capture_output=True, text=True,
+                          check=True)
+    assert done.stdout.split()[:2] == ['99', 'True']
 
 
 def test_a_reader_who_does_not_read_stops_nobody_who_will_not_wait():

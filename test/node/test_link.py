@@ -100,6 +100,19 @@ def test_a_serial_server(kind):
     assert 'Traceback' not in node.text
 
 
+def test_a_server_that_hangs_up_on_all_is_reported_once():
+    """Such as one whose only connection is taken; it may say so before."""
+    with socket.create_server(('127.0.0.1', 0)) as made:
+        made.settimeout(PATIENCE)
+        with driver(f'socket://127.0.0.1:{made.getsockname()[1]}') as node:
+            for _ in range(6):
+                connection, _ = made.accept()
+                connection.sendall(b'Port already in use\r\n')
+                connection.close()
+            assert wait_for(lambda: 'is gone: the other end closed' in node.text)
+            assert len(node.lines) == 2, node.text
+
+
 class ServedPort:
     """What a Device sends on: a serial server."""
 

@@ -179,6 +179,7 @@ def test_unplugged_and_plugged_again_twenty_times(tmp_path):
         assert node.alive
         assert wait_for(lambda: sum('is gone' in line for line in node.lines) == 20)
         assert sum('is open' in line for line in node.lines) == 20
+        assert 'in use' not in node.text
         assert node.end() == 0
         assert 'Traceback' not in node.text
 
