@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 import csv
 import dataclasses
+import errno
 import json
 import math
 from pathlib import Path
@@ -100,8 +101,12 @@ def record(decoder: Decoder, frame: Frame, message: Any) -> dict[str, Any]:
 
 def _frames(file: BinaryIO, framer: Framer) -> Iterator[Frame]:
     read = getattr(file, 'read1', file.read)        # a pipe: print what is there, do not wait
-    while chunk := read(_CHUNK):
-        yield from framer.feed(chunk)
+    try:
+        while chunk := read(_CHUNK):
+            yield from framer.feed(chunk)
+    except OSError as error:
+        if error.errno != errno.EIO:            # a port that is gone is the end of its stream
+            raise
     yield from framer.flush()
 
 

@@ -255,17 +255,11 @@ def _print_block(found: Found) -> None:
         print(f'  {"position":<20}{block.position}')
         log = block.log.rstrip(f'\n{ERASED}')
         for line in log.split('\n') if log else ['none']:
-            print(f'  {_printable(line)}')
+            print(f'  {printable(line, len(block.log) * 4 + 1)}')
         return
     for item in fields(block):
         unit = item.metadata['rows'][1].unit
         print(f'  {item.name:<20}{_plain(getattr(block, item.name))} {unit}'.rstrip())
-
-
-def _printable(text: str) -> str:
-    """Return a text such that a terminal only shows it, whatever is in a damaged memory."""
-    return ''.join(each if each.isascii() and each.isprintable() else f'\\x{ord(each):02x}'
-                   for each in text)
 
 
 def _finite(value: Any) -> Any:
