@@ -17,7 +17,8 @@ from bahrs_driver.transport.explain import described, list_command, MOST_NAMED
 from bahrs_driver.transport.processes import holders, Process
 
 MANY = 5                # damaged or lost frames between two checks that call for a look
-LOOK_AGAIN = 3.0        # s, for a look may take a tenth of a second
+LOOK_AGAIN = 3.0        # s, for a look may take a tenth of a second; doubled while in vain
+LONGEST_WAIT = 60.0     # s
 LIFETIME = 10.0         # s that a finding holds
 ENOUGH_STOLEN = 3       # reads that found nothing, which prove it
 
@@ -34,6 +35,7 @@ class SharingWatch:
         self._counts = 0, 0
         self._stolen = 0                # reads that found nothing, lately
         self._looked = self._found = -LIFETIME
+        self._wait = LOOK_AGAIN
         self._programs: list[Process] = []
 
     def check(self, now: float, silent: bool) -> None:
@@ -42,14 +44,19 @@ class SharingWatch:
         stolen, trouble = (max(0, new - old) for new, old in zip(counts, self._counts))
         self._counts = counts
         self._stolen += stolen
-        if now - self._looked < LOOK_AGAIN or not (stolen or silent or trouble >= MANY):
-            return
+        if not (stolen or silent or trouble >= MANY):
+            self._wait = max(LOOK_AGAIN, self._wait / 2)
+        elif now - self._looked >= self._wait:
+            self._look(now)
+
+    def _look(self, now: float) -> None:
         self._looked = now
+        self._wait = min(2 * self._wait, LONGEST_WAIT)
         device = os.path.realpath(self._link.path) if self._link.path else ''
         programs = [process for process in self._find(device)
                     if process.pid != os.getpid()] if device else []
         if programs or self._stolen >= ENOUGH_STOLEN:
-            self._found, self._programs = now, programs
+            self._found, self._programs, self._wait = now, programs, LOOK_AGAIN
         self._stolen = 0
 
     def names(self, now: float) -> str:

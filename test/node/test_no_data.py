@@ -110,6 +110,16 @@ def test_no_task_stays_content_once_the_port_is_gone(tmp_path):
         assert 'does not exist' not in node.text.partition('is gone')[2]
 
 
+def test_no_task_of_a_titan_m_stays_content_once_the_port_is_gone(tmp_path):
+    """Though it answered, a moment ago."""
+    path = str(tmp_path / 'port')
+    with listening(DIAGNOSTICS) as ear, driver(path, sensor='titan_m'):
+        with running('bahrs', 'emulate', '--sensor', 'titan_m', '--link', path):
+            for task in ('Link', 'Framing', 'Time', 'Rates', 'Requests', 'Publishing'):
+                assert says(ear, task, OK, ''), status(ear, task)
+        assert wait_for(lambda: not content(ear)), levels(ear)
+
+
 @pytest.mark.parametrize('sensor', TASKS)
 @pytest.mark.parametrize('data, words', [
     (NOISE, 'Bytes arrive, but no frame of a'), (TEXT, 'another device is on this port')])

@@ -86,6 +86,32 @@ def test_another_program_of_an_ordinary_user_cannot_open_it(port):
     assert (done.stdout, done.stderr) == (f'{errno.EBUSY}\n' * 3, '')
 
 
+# As a user without privileges: opening a port that a killed program had open for itself alone.
+AFTER_A_KILL = """
+import os, sys
+from bahrs_driver.link import Link, LinkError
+os.chmod(sys.argv[1], 0o666)
+if os.geteuid() == 0:
+    os.setgroups([]); os.setgid(65534); os.setuid(65534)
+if os.fork() == 0:
+    link = Link(sys.argv[1], 115200)
+    link.connect()
+    os._exit(0)
+os.wait()
+try:
+    Link(sys.argv[1], 115200).connect()
+except LinkError as error:
+    print(error)
+"""
+
+
+def test_a_pseudo_terminal_that_a_killed_program_had_open(port):
+    """It remembers the mark until who made it ends; a serial device does not."""
+    done = subprocess.run([sys.executable, '-c', AFTER_A_KILL, port.path],
+                          capture_output=True, text=True, check=True)
+    assert done.stdout.endswith('restart the program that made this pseudo-terminal\n')
+
+
 def test_who_has_it_is_named(port):
     """By name and number; this program itself, too."""
     code = ('import sys, time; from bahrs_driver.link import Link\n'
