@@ -11,6 +11,7 @@ from collections.abc import Callable
 import threading
 import time
 import traceback
+from typing import Any
 
 from bahrs_driver.printable import printable
 
@@ -42,6 +43,13 @@ class FaultLog:
             self._write_error(f'{sentence}. This is a fault of bahrs_driver, which goes on: '
                               'please report it')
             self._write_debug(''.join(traceback.format_exception(error)))
+
+    def survive(self, activity: str, function: Callable[..., object], *arguments: Any) -> None:
+        """Call a function, and report its exception if it raises one."""
+        try:
+            function(*arguments)
+        except Exception as error:
+            self.report(activity, error)
 
     def _is_due(self, kind: tuple[str, str]) -> bool:
         now = time.monotonic()

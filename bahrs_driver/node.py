@@ -123,9 +123,9 @@ class DriverNode(Node):
     def link_opened(self) -> None:
         """Note that another stream begins."""
         self._byte_ns = self._link.byte_time_ns
-        self._sensor.health.opened()
         if self._sensor.requester:
             self._sensor.requester.opened()
+        self._sensor.health.opened()
         self._report_change()
 
     def link_usable(self) -> None:
@@ -137,22 +137,24 @@ class DriverNode(Node):
         """End the stream, and log why there is no data unless that is known."""
         if not known:
             self._log.error(reason)
-        self._publish(self._sensor.converter.lost(time.time_ns()))
         if self._sensor.nvm:
             self._sensor.nvm.lost(reason)
         if self._sensor.requester:
             self._sensor.requester.lost()
+        self.faults.survive('publishing that data is lost', lambda: self._publish(
+            self._sensor.converter.lost(time.time_ns())))
         self._report_change()
 
     def bytes_read(self, reading: Reading) -> None:
         """Publish the bytes of a read, if they are wanted."""
-        self._notice_silence()
-        for publisher in self._latched.values():
-            publisher.flush()
         if self._raw:
             origin = Origin(self._sensor_name, self.receiver.counters.times_opened,
                             self._byte_ns, reading.now.ros_ns, reading.now.raw_ns)
-            self._raw.publish(raw.message(reading.data, origin.label()))
+            self.faults.survive('publishing raw', self._raw.publish,
+                                raw.message(reading.data, origin.label()))
+        self._notice_silence()
+        for publisher in self._latched.values():
+            publisher.flush()
 
     def nothing_read(self) -> None:
         """Say what is to be said of a device that is silent."""
@@ -164,17 +166,14 @@ class DriverNode(Node):
 
     def received(self, batch: list[Received]) -> None:
         """Publish what the messages of one read become."""
-        now = time.monotonic()
+        now, survive = time.monotonic(), self.faults.survive
         sensor = self._sensor
-        self._time_task.update(now)
         for message, frame, stamp_ns in batch:
-            try:
-                sensor.health.observe(message, now)
-                if sensor.nvm:
-                    sensor.nvm.receive(message, frame)
-                self._publish(sensor.converter.convert(message, stamp_ns))
-            except Exception as error:
-                self.faults.report(f'publishing {message.NAME}', error)
+            survive(f'publishing {message.NAME}', self._publish_message, message, stamp_ns)
+            survive('watching the data', sensor.health.observe, message, now)
+            if sensor.nvm:
+                survive('reading the memory', sensor.nvm.receive, message, frame)
+        survive('watching the clock', self._time_task.update, now)
         for sentence in sensor.take_notices():
             self._log.warning(sentence)
         self._report_change()
@@ -216,6 +215,9 @@ class DriverNode(Node):
     def _pulse_told(self, message: TimeReference) -> None:
         stamp = message.header.stamp        # any numbers: rclpy.time.Time would raise for some
         self._sensor.clock.pulse_reference(stamp.sec * NANOSECONDS + stamp.nanosec)
+
+    def _publish_message(self, message: Any, stamp_ns: int) -> None:
+        self._publish(self._sensor.converter.convert(message, stamp_ns))
 
     def _publish(self, outgoing: Iterable[tuple[str, Any]]) -> None:
         for topic, message in outgoing:

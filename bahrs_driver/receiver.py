@@ -102,7 +102,7 @@ class Receiver:
     def stop(self) -> None:
         """Make run() return soon, the port closed. To be called from another thread."""
         self._stopping.set()
-        self._survive('waking the reader', self._link.cancel_read)
+        self._faults.survive('waking the reader', self._link.cancel_read)
 
     def run(self) -> None:
         """Keep the port open and read it, until stopped."""
@@ -117,14 +117,14 @@ class Receiver:
                 self._recover(LinkError(f'{self._link.name} is opened again after a fault of the '
                                         'driver'))
             finally:
-                self._survive('closing the port', self._link.close)
+                self._faults.survive('closing the port', self._link.close)
 
     def _open(self) -> None:
         self._link.connect()
         self._clock.begin(self._link.byte_time_ns)
         self._opened_at, self._has_frames = time.monotonic(), False
         self.counters.times_opened += 1
-        self._survive('beginning a stream', self._listener.link_opened)
+        self._faults.survive('beginning a stream', self._listener.link_opened)
         if not self._flapping:
             self._report_open()
 
@@ -134,13 +134,13 @@ class Receiver:
             self.counters.open_since = self._opened_at
             self.counters.error = ''
             self._absence_told = False
-            self._survive('reporting that the port is open', self._listener.link_usable)
+            self._faults.survive('reporting that the port is open', self._listener.link_usable)
 
     def _read_on(self) -> None:
         while not self._stopping.is_set():
             reading = self._link.read()
             if reading is None:
-                self._survive('noticing silence', self._listener.nothing_read)
+                self._faults.survive('noticing silence', self._listener.nothing_read)
             else:
                 self._take(reading)
             if self._open_for() >= STEADY:
@@ -150,7 +150,7 @@ class Receiver:
         return 0.0 if self._opened_at is None else time.monotonic() - self._opened_at
 
     def _take(self, reading: Reading) -> None:
-        self._survive('handing out bytes', self._listener.bytes_read, reading)
+        self._faults.survive('handing out bytes', self._listener.bytes_read, reading)
         self.counters.reads += 1
         self.counters.bytes_received += len(reading.data)
         self.counters.last_bytes = (self.counters.last_bytes + reading.data)[-SAMPLE_SIZE:]
@@ -179,20 +179,20 @@ class Receiver:
 
     def _hand_over(self, batch: list[Received]) -> None:
         for sentence in self._clock.take_notices():
-            self._survive('reporting a change of time', self._listener.time_changed, sentence)
+            self._faults.survive('reporting a change of time', self._listener.time_changed, sentence)
         if batch:
-            self._survive('handing out messages', self._listener.received, batch)
+            self._faults.survive('handing out messages', self._listener.received, batch)
 
     def _recover(self, error: LinkError) -> None:
         """Close the port, report why, and wait before it is tried again."""
         # First, for a port that is held open comes back under another name.
-        self._survive('closing the port', self._link.close)
+        self._faults.survive('closing the port', self._link.close)
         was_open = self._opened_at is not None
         if was_open:
             # Such as a server whose only connection is taken, which hangs up on all others.
             self._flapping = not self._has_frames and self._open_for() < STEADY
             self._opened_at = self.counters.open_since = None
-            self._survive('ending a stream', self._end_stream)
+            self._faults.survive('ending a stream', self._end_stream)
         if self._stopping.is_set():         # which is why it failed
             return
         self._fail(error, was_open)
@@ -208,12 +208,5 @@ class Receiver:
         self._absence_told = error.absent
         self.counters.error = self.counters.last_error = reason
         if was_open or not known:
-            self._survive('reporting that the port is not open', self._listener.link_failed,
+            self._faults.survive('reporting that the port is not open', self._listener.link_failed,
                           reason, known)
-
-    def _survive(self, activity: str, function: Callable[..., None], *arguments: Any) -> None:
-        """Call a function; a fault in it must not end the stream."""
-        try:
-            function(*arguments)
-        except Exception as error:
-            self._faults.report(activity, error)

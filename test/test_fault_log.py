@@ -29,6 +29,15 @@ def test_one_printable_line(error):
     assert lines[0].startswith(f'a callback failed: {type(error).__name__}: ')
 
 
+def test_a_function_that_fails_is_survived():
+    """And called with its arguments."""
+    lines, called = [], []
+    log = FaultLog(lines.append, str)
+    log.survive('working', called.append, 3)
+    log.survive('working', int, 'x')
+    assert called == [3] and log.count == 1 and lines[0].startswith('working failed: ValueError')
+
+
 def test_not_at_line_rate():
     """The first of a kind is logged, all are counted."""
     lines = []

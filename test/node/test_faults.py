@@ -12,7 +12,7 @@ from processes import listening, Process, wait_for
 import pytest
 
 # What goes wrong, as lines of Python that are run before the node: the name that it defines
-# fails at every seventh call, once all is under way.
+# fails again and again, once all is under way.
 START = """
 import sys
 from bahrs_driver import driver_node
@@ -20,7 +20,7 @@ from bahrs_driver import driver_node
 original, calls = {name}, [0]
 def failing(*arguments):
     calls[0] += 1
-    if calls[0] > 99 and calls[0] % 7 == 0:
+    if calls[0] > {first} and calls[0] % {every} == 0:
         raise {error}
     return original(*arguments)
 {name} = failing
@@ -35,6 +35,8 @@ PLACES = {
                  'ZeroDivisionError()'),
     'publishing': ('from rclpy.publisher import Publisher', 'Publisher.publish',
                    'RuntimeError("\\x1b[2J no memory")'),
+    'watching the clock': ('from bahrs_driver.clock import SampleClock', 'SampleClock.state',
+                           'KeyError(3)'),
     'watching': ('from bahrs_driver.diagnostics.bahrs_health import BahrsHealth',
                  'BahrsHealth.observe', 'StopIteration()'),
 }
@@ -42,9 +44,11 @@ PLACES = {
 
 @contextlib.contextmanager
 def failing_driver(port, place):
-    """Run a node in which one place fails at every seventh call, once all is under way."""
+    """Run a node in which one place fails again and again, once all is under way."""
     imports, name, error = PLACES[place]
-    code = START.format(imports=imports, name=name, error=error)
+    every = 2 if place == 'watching the clock' else 7       # that is called 5 times a second
+    code = START.format(imports=imports, name=name, error=error, every=every,
+                        first=99 if place == 'publishing' else 9)
     node = Process([sys.executable, '-c', code, '--ros-args', '-p', f'port:={port}'])
     try:
         yield node
