@@ -6,11 +6,10 @@ import csv
 import json
 import os
 import pty
-import select
 import shlex
+from signal import SIGKILL
 import subprocess
 import tempfile
-import termios
 
 from bags import every_form
 from bahrs_driver.cli.main import main
@@ -53,6 +52,11 @@ def summary(text):
     return {line[:22].strip(): line[22:].strip() for line in text.splitlines()}
 
 
+def lines(path):
+    """Return how many lines a file has."""
+    return path.read_bytes().count(b'\n')
+
+
 def test_the_port_of_the_example(tmp_path):
     """The command that --help shows sets the port; one that is not set is refused."""
     ours, theirs = pty.openpty()
@@ -66,17 +70,23 @@ def test_the_port_of_the_example(tmp_path):
         example = next(line for line in shown.splitlines() if '/dev/ttyUSB0' in line)
         script = example.replace('/dev/ttyUSB0', port).replace(
             'bahrs ', shlex.join(command('bahrs')) + ' ').replace('flight', f'{tmp_path}/flight')
-        with subprocess.Popen(['sh', '-c', script], stderr=subprocess.PIPE) as shell:
-            poll = select.poll()
-            poll.register(far_end, select.POLLIN)
-            # Until it is in raw mode, nothing; then all, with every control character.
-            assert wait_for(lambda: not termios.tcgetattr(far_end)[3] & termios.ICANON)
+        rows = tmp_path / 'flight.csv'
+        shell = subprocess.Popen(['sh', '-c', script], stderr=subprocess.PIPE,
+                                 start_new_session=True,
+                                 env={**os.environ, 'PYTHONUNBUFFERED': '1'})
+        try:
+            # The heading comes when the port has been set and is open.
+            assert wait_for(lambda: rows.exists() and lines(rows) == 1)
             device.write(EVERY_BYTE)
-            assert wait_for(lambda: not poll.poll(0))
+            # What is not read yet when the device goes would be lost.
+            assert wait_for(lambda: lines(rows) == 9)
             device.close()
-            assert shell.wait(PATIENCE) == 0 and shell.stderr.read() == b''
-    assert (tmp_path / 'flight.csv').read_text() == decode('--format', 'csv', '-',
-                                                           data=EVERY_BYTE)[0]
+            _, error = shell.communicate(timeout=PATIENCE)
+            assert (shell.returncode, error) == (0, b'')
+        finally:
+            if shell.poll() is None:
+                os.killpg(shell.pid, SIGKILL)
+    assert rows.read_text() == decode('--format', 'csv', '-', data=EVERY_BYTE)[0]
 
 
 def test_jsonl_has_a_line_a_message_in_si():
