@@ -11,6 +11,8 @@ most that the difference of the clocks can be wrong by.
 import time
 from typing import NamedTuple
 
+from bahrs_driver.clock import Instant
+
 NARROW = 20_000         # ns; a wider bracket of readings was interrupted
 ATTEMPTS = 8
 
@@ -42,6 +44,12 @@ def paired_reading(clock: int) -> PairedReading:
         before = after
     assert best
     return best
+
+
+def host_instant() -> Instant:
+    """Read CLOCK_MONOTONIC_RAW and ROS time; the raw time is that of the call."""
+    reading = paired_reading(time.CLOCK_MONOTONIC_RAW)
+    return Instant(reading.time, reading.time + reading.offset)
 
 
 class SystemTime:

@@ -22,12 +22,12 @@ from bahrs_driver.transport.device_search import find_device
 from bahrs_driver.transport.errors import LinkError
 from bahrs_driver.transport.explain import Target, why_gone, why_not_open, why_not_written
 from bahrs_driver.transport.pyserial_url import open_loop, open_rfc2217
-from bahrs_driver.transport.reading import now, Reading
+from bahrs_driver.transport.reading import Reading
 from bahrs_driver.transport.serial_port import SerialPort
 from bahrs_driver.transport.tcp import TcpConnection
 from bahrs_driver.transport.waker import Waker
 
-__all__ = ['Link', 'LinkError', 'now', 'Reading']
+__all__ = ['Link', 'LinkError', 'Reading']
 
 READ_TIMEOUT = 0.5      # s; how long a read waits for a device that is silent
 WRITE_TIMEOUT = 1.0     # s

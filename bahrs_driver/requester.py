@@ -14,7 +14,8 @@ import threading
 from typing import Any, Protocol
 
 from bahrs_driver.clock import NANOSECONDS
-from bahrs_driver.link import Link, LinkError, now
+from bahrs_driver.host_time import host_instant
+from bahrs_driver.link import Link, LinkError
 from bahrs_driver.protocol.framing import Frame
 
 LONGEST_SLEEP = 3600.0      # s; longer ones are beyond what a lock can wait for
@@ -121,4 +122,4 @@ class Requester:
 
 
 def _raw_time() -> int:
-    return now().raw_ns
+    return host_instant().raw_ns

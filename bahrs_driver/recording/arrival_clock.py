@@ -3,18 +3,17 @@
 """
 Log times of messages as they arrive.
 
-The middleware tells in ROS time when a message came. If ROS time was set before the message is
-taken, that is a time on the earlier clock: each setting counts for the times at which it held.
+The middleware gives the arrival of a message in ROS time. If ROS time was set before the message
+is taken, that is a time on the earlier clock: each setting counts for the times at which it held.
 """
 
 from collections import deque
 from collections.abc import Callable
 import threading
-import time
 from typing import NamedTuple
 
 from bahrs_driver.clock import Instant, NANOSECONDS
-from bahrs_driver.host_time import paired_reading
+from bahrs_driver.host_time import host_instant
 from bahrs_driver.recording.log_clock import LATEST, LogClock
 
 KEPT = 10                           # settings of the clock under which a message may have come
@@ -22,20 +21,14 @@ OLDEST = 60 * NANOSECONDS           # for how long one may have waited to be tak
 
 
 class Setting(NamedTuple):
-    """How ROS time was set for a while. It was set anew between two looks at the clocks."""
+    """How ROS time was set for a while. It was set between two looks at the clocks."""
 
     offset: int         # ns that ROS time is ahead of log time
     begin: int          # log time of the look before it was set
     end: int            # log time of the look after it was set again
 
 
-def host_instant() -> Instant:
-    """Read the host's clocks as if at once."""
-    reading = paired_reading(time.CLOCK_MONOTONIC_RAW)
-    return Instant(reading.time, reading.time + reading.offset)
-
-
-class ArrivalClock:
+class ArrivalLogClock:
     """Log times while recording. Any thread may use it."""
 
     def __init__(self, read: Callable[[], Instant] = host_instant) -> None:

@@ -15,13 +15,15 @@ import threading
 import time
 from typing import Any
 
+from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.driver_graph import NodeSearch, published
 from bahrs_driver.executor import StoppableExecutor
 from bahrs_driver.node_names import NodeChoice, Selection, split_name
 from bahrs_driver.printable import printable
-from bahrs_driver.recording.arrival_clock import ArrivalClock
+from bahrs_driver.recording.arrival_clock import ArrivalLogClock
 from bahrs_driver.recording.origin import parse_label
 from bahrs_driver.recording.sequence_count import missed, SequenceCount
+from bahrs_driver.recording.stored_message import RAW_TYPE
 from bahrs_driver.recording.taken_queue import Taken, TakenQueue
 from bahrs_driver.recording.topics import profile, Qos, Topic
 import rclpy
@@ -39,12 +41,10 @@ DEPTH = 5000                # messages of a topic that may wait for us
 FAST_SEARCH, SLOW_SEARCH = 0.02, 0.2
 SETTLED = 2.0               # s without another topic, after which the slow search begins
 DISCOVERY = 10.0            # s within which a node that is there before us is found
-NANOSECONDS = 1_000_000_000
 # For how long a message may be overtaken by others, in ns: by the delays that were seen.
 LEAST_HOLD, LONGEST_HOLD = NANOSECONDS // 10, NANOSECONDS * 7 // 10
 RAW = 'raw'
 NEVER_RECORDED = ('parameter_events',)
-RAW_TYPE = 'std_msgs/msg/UInt8MultiArray'
 
 
 class Recorder:
@@ -65,7 +65,7 @@ class Recorder:
         self._known: set[str] = set()
         self._counts: dict[str, SequenceCount] = {}
         self._is_new = False            # whether the node certainly began after us
-        self._clock = ArrivalClock()
+        self._clock = ArrivalLogClock()
         self._began = self._found = time.monotonic()
         self._new_topics: deque[Topic] = deque()
         self._taken = TakenQueue()

@@ -11,7 +11,8 @@ import termios
 import time
 from typing import Protocol
 
-from bahrs_driver.transport.reading import now, Reading
+from bahrs_driver.host_time import host_instant
+from bahrs_driver.transport.reading import Reading
 from bahrs_driver.transport.waker import Waker
 
 LARGEST_READ = 4096     # bytes
@@ -58,7 +59,7 @@ class DescriptorChannel:
         # What an adapter hands over at once is one read, under one time. The time is taken after
         # the bytes are counted, or it would be too early for those that arrive meanwhile.
         count = min(self._count_waiting(), LARGEST_READ)
-        moment = now()
+        moment = host_instant()
         try:
             data = os.read(self._descriptor, count or 1)
         except BlockingIOError:

@@ -8,7 +8,8 @@ import sys
 import time
 from typing import Any
 
-from bahrs_driver.transport.reading import now, Reading
+from bahrs_driver.host_time import host_instant
+from bahrs_driver.transport.reading import Reading
 from bahrs_driver.transport.tcp import detect_loss
 from bahrs_driver.transport.waker import Waker
 import serial
@@ -36,7 +37,7 @@ class PyserialChannel:
             data: bytes = self._port.read(1)
             if data:
                 waiting = self._port.in_waiting
-                moment = now()
+                moment = host_instant()
                 return Reading(data + self._port.read(waiting) if waiting else data, moment)
             if time.monotonic() >= deadline:
                 break

@@ -2,11 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a read of a port returns: bytes, and the host's time."""
 
-import time
 from typing import NamedTuple
 
 from bahrs_driver.clock import Instant
-from bahrs_driver.host_time import paired_reading
 
 
 class Reading(NamedTuple):
@@ -14,9 +12,3 @@ class Reading(NamedTuple):
 
     data: bytes
     now: Instant
-
-
-def now() -> Instant:
-    """Read both clocks of the host as if at once; the raw time is that of the call."""
-    reading = paired_reading(time.CLOCK_MONOTONIC_RAW)
-    return Instant(reading.time, reading.time + reading.offset)

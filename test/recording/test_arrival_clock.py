@@ -3,7 +3,7 @@
 """Tests of log times while recording, with clocks that the test sets."""
 
 from bahrs_driver.clock import Instant
-from bahrs_driver.recording.arrival_clock import ArrivalClock, KEPT, OLDEST
+from bahrs_driver.recording.arrival_clock import ArrivalLogClock, KEPT, OLDEST
 from hypothesis import given, strategies as st
 import pytest
 
@@ -32,7 +32,7 @@ class Host:
 def test_messages_around_a_step(step):
     """Each has the log time of its arrival, on whichever side of the step it was taken."""
     host = Host()
-    clock = ArrivalClock(host.read)
+    clock = ArrivalLogClock(host.read)
     times = []
     for index in range(100):
         host.elapsed = index * 5 * MS
@@ -50,7 +50,7 @@ def test_messages_around_a_step(step):
 def test_a_message_that_waited_long():
     """It came before the last step but one."""
     host = Host()
-    clock = ArrivalClock(host.read)
+    clock = ArrivalLogClock(host.read)
     host.elapsed = S
     arrived = host.ros
     for step in (-3600, 7200):
@@ -63,7 +63,7 @@ def test_a_message_that_waited_long():
 def test_times_that_cannot_be():
     """A clock of another host that is wrong does not count, and the next time given does."""
     host = Host()
-    clock = ArrivalClock(host.read)
+    clock = ArrivalLogClock(host.read)
     host.elapsed = 100 * S
     now = clock.now()
     for wrong in (None, 0, host.ros + S, host.ros - OLDEST - S, -5):
@@ -76,7 +76,7 @@ def test_times_that_cannot_be():
 def test_never_later_than_now(moves):
     """And never long ago, however the clock is set."""
     host = Host()
-    clock, last = ArrivalClock(host.read), 0
+    clock, last = ArrivalLogClock(host.read), 0
     for elapsed, step, age in moves:
         host.elapsed, host.offset = host.elapsed + elapsed, host.offset + step
         now = clock.now()
