@@ -204,6 +204,8 @@ PARAMETERS = (
               read_only=False, sensor=BAHRS),
 )
 
+BY_NAME = {parameter.name: parameter for parameter in PARAMETERS}
+
 
 def defaults() -> dict[str, Any]:
     """Return the default of every parameter."""

@@ -5,12 +5,11 @@
 from pathlib import Path
 
 from bahrs_driver.parameter import Parameter, ParameterError
-from bahrs_driver.parameters import PARAMETERS
+from bahrs_driver.parameters import BY_NAME, PARAMETERS
 import pytest
 import yaml
 
 ROOT = Path(__file__).resolve().parents[1]
-BY_NAME = {parameter.name: parameter for parameter in PARAMETERS}
 
 
 @pytest.mark.parametrize('parameter', PARAMETERS, ids=lambda parameter: parameter.name)

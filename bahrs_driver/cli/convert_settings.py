@@ -8,10 +8,10 @@ import contextlib
 from typing import Any
 
 from bahrs_driver.cli.errors import CommandError
-from bahrs_driver.parameters import defaults
+from bahrs_driver.parameters import BY_NAME, defaults
 from bahrs_driver.printable import printable
 from bahrs_driver.sensors import LISTENING
-from bahrs_driver.settings.unused import BY_NAME, unknown_parameter, unused_parameters
+from bahrs_driver.settings.unused import unknown_parameter, unused_parameters
 import yaml
 
 # Names, and beginnings of names, of what only a driver with a port has.

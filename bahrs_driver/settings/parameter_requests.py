@@ -11,8 +11,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from bahrs_driver.parameter import ParameterError
+from bahrs_driver.parameters import BY_NAME
 from bahrs_driver.printable import printable
-from bahrs_driver.settings.unused import BY_NAME, unknown_parameter, why_unused
+from bahrs_driver.settings.unused import unknown_parameter, why_unused
 from rcl_interfaces.msg import Parameter as ParameterMessage, SetParametersResult
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.node import Node

@@ -11,7 +11,6 @@ from bahrs_driver.parameters import PARAMETERS, TITAN_M
 from bahrs_driver.printable import printable
 from bahrs_driver.settings.qos_overrides import PREFIX
 
-BY_NAME = {parameter.name: parameter for parameter in PARAMETERS}
 RATES = ('state.rate', 'sensors.rate', 'gps.rate')
 # Parameters for what only one kind of answer of a titan_m has.
 _OF_ANSWERS = {

@@ -6,7 +6,7 @@ from pathlib import Path
 import re
 
 from bahrs_driver.link import Link
-from bahrs_driver.parameters import defaults, PARAMETERS
+from bahrs_driver.parameters import BY_NAME, defaults, PARAMETERS
 from bahrs_driver.sensors import SENSORS
 from bahrs_driver.settings.unused import RATES, unused_parameters, why_unused
 from hypothesis import given, HealthCheck, settings, strategies as st
@@ -15,7 +15,6 @@ from recorded_settings import RecordedSettings, values_of
 from starting import start
 
 PACKAGE = Path(__file__).resolve().parents[2] / 'bahrs_driver'
-BY_NAME = {parameter.name: parameter for parameter in PARAMETERS}
 SILENT = dict.fromkeys(RATES, 0.0)
 
 
