@@ -5,9 +5,10 @@ Device time on host time. Pure: host time is handed in, nothing here reads a clo
 
 Made of small rooms: `bounds` (what a read says of a frame), `host` (the host's two clocks),
 `counter`, `labels`, `navigation`, `timeline` and `device_time` (sequence numbers to device
-time), `tracker` and `pulses` over `kalman` (device time to host time), `output` (stamps), and
-`sample_clock`, which holds them together. `smoother`, over `rauch`, stands in for the tracker
-when the whole recording is there. `exchange` is for devices that answer requests.
+time), `tracker` and `pulses` over `kalman` (device time to host time), `held` (messages that wait
+for a stamp), `stamper` over `output` (stamps), `notices`, and `sample_clock`, which holds them
+together. `smoother`, over `rauch`, stands in for the tracker when the whole recording is there.
+`exchange` is for devices that answer requests.
 """
 
 from bahrs_driver.clock.arrival import ArrivalClock, ArrivalStamps

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sentences for the user about what happened to a clock, until somebody takes them."""
+"""Sentences for the user about what happened to a clock, kept until the node logs them."""
 
 from collections import deque
 
-KEPT = 20               # the latest; a capture that is only looked at has nobody who takes them
+KEPT = 20               # the latest; a conversion takes none before its end
 
 
 class Notices:

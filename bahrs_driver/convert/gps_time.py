@@ -9,9 +9,10 @@ user gave serves a host without a clock, and is otherwise only compared. Without
 not known.
 """
 
+from bahrs_driver.clock.notices import Notices
+
 GPS_EPOCH_S = 315_964_800       # UNIX time of 6 January 1980
 WEEK_US = 604_800 * 1_000_000
-MOST_NOTICES = 10               # that wait for the log
 LATEST_US = 2 ** 31 * 1_000_000     # what a ROS time can hold
 # A host whose clock shows an earlier time started without one: 1 January 2020.
 EARLIEST_HOST_NS = 1_577_836_800 * 10 ** 9
@@ -25,7 +26,7 @@ class GpsTime:
         self._week = week
         self._start_us = (GPS_EPOCH_S - leap_seconds) * 1_000_000
         self._last_us = 0
-        self._notices: list[str] = []
+        self._notices = Notices()
         self.problem = ''               # what is wrong with the week, in a sentence
 
     def utc_us(self, time_of_week_s: float, host_ns: int) -> int | None:
@@ -42,8 +43,7 @@ class GpsTime:
 
     def take_notices(self) -> list[str]:
         """Return sentences for the log since the last call."""
-        notices, self._notices = self._notices, []
-        return notices
+        return self._notices.take()
 
     def _week_near(self, host_ns: int, time_us: int) -> int:
         """Return the week of a time of week, 0 if unknown; report what is wrong with it."""
@@ -57,7 +57,7 @@ class GpsTime:
         if self._week and week != self._week:
             problem = (f'It is week {self._week} by gps.week and week {week} by the clock of the '
                        'host, which is used: correct gps.week, or leave it 0')
-        if problem and not self.problem and len(self._notices) < MOST_NOTICES:
-            self._notices.append(problem)
+        if problem and not self.problem:
+            self._notices.add(problem)
         self.problem = problem
         return week
