@@ -46,8 +46,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         'Decode a stream of bytes from a sensor. Lines of jsonl and csv are in stream order\n'
         'and SI units (rad, m, m/s, m/s^2, device time in us) unless a name says otherwise.\n'
-        'csv has the device time of each message where it is known, and an empty cell for a value\n'
-        'that is not available; jsonl has values as they were sent, beside their integrity.')
+        'csv has the device time of each message where it is known, and an empty cell for a\n'
+        'value that is not available; jsonl has values as they were sent, beside their integrity.')
     parser.epilog = _EXAMPLES
     parser.add_argument('file', help='file of bytes as the device sent them, or a port that stty '
                                      'has set; - is standard input')
@@ -86,8 +86,8 @@ def run(options: argparse.Namespace) -> int:
 def _refuse_bag(path: Path) -> None:
     """Raise CommandError for a bag: the bytes of its storage would be taken for damage."""
     if path.is_file() and is_bag(path):
-        raise CommandError(f'{printable(path)} is a bag: make topics or CSV files of it with bahrs '
-                           'convert, or a page with bahrs report')
+        raise CommandError(f'{printable(path)} is a bag: make topics or CSV files of it with '
+                           'bahrs convert, or a page with bahrs report')
 
 
 def record(decoder: Decoder, frame: Frame, message: Any) -> dict[str, Any]:

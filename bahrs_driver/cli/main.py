@@ -23,10 +23,10 @@ from bahrs_driver.standard_streams import replace_closed_streams
 # Each verb is the module of its name; only the one asked for is imported, so that those that
 # need no ROS work without it.
 VERBS = {
-    'convert': 'make all topics of a recording of bytes',
+    'convert': 'regenerate all topics from raw bytes',
     'decode': 'decode a recorded stream of bytes',
-    'doctor': 'find out why there is no data, and how to mend it',
-    'emulate': 'be a sensor, on a serial port or into a file',
+    'doctor': 'diagnose missing data and print the fix',
+    'emulate': 'simulate a device on a pseudo-terminal or into a file',
     'monitor': 'show the topics of the driver, live',
     'nvm': 'read the non-volatile memory of a device, or show an image of it',
     'record': 'record the topics of the driver into a bag',
@@ -43,7 +43,7 @@ _STATUS = 'exit status'
 _EXIT_STATUS = (f'{_STATUS}: 0 if it is done, 1 if it cannot be done or something is wrong,\n'
                 '2 if the command line is, 130 at Ctrl-C')
 _EPILOG = f"""examples:
-  bahrs doctor                      no data? this tells why
+  bahrs doctor                      find out why there is no data
   bahrs monitor                     what the driver publishes, live
   bahrs decode --help               each verb has examples
 

@@ -22,7 +22,6 @@ from rclpy.qos import qos_check_compatible, QoSCompatibility
 TOPICS = {**BAHRS_TOPICS, **TITAN_TOPICS}
 DISCOVERY_TIME = 2.0        # s
 PATIENCE = 4.0              # s more, on a busy machine, before there is said to be no driver
-DIAGNOSTICS = '/diagnostics'
 OF_EVERY_NODE = ('/rosout', '/parameter_events')
 _POLICIES = ('reliability', 'durability')
 
@@ -48,7 +47,7 @@ def look(node: Node, port: str, seconds: float = DISCOVERY_TIME, command: str = 
         yield good('driver', f'{name} publishes {len(topics)} topics'.lstrip())
     yield from reports.look(node, [name for name in found if name])
     wrong = [*_shared_names(node, found),
-             *(finding for topic in dict.fromkeys([*sum(found.values(), []), DIAGNOSTICS])
+             *(finding for topic in dict.fromkeys([*sum(found.values(), []), reports.DIAGNOSTICS])
                for finding in _topic(node, topic))]
     yield from wrong
     if not wrong:
@@ -58,7 +57,7 @@ def look(node: Node, port: str, seconds: float = DISCOVERY_TIME, command: str = 
 def _publishers(node: Node, namespace: str) -> dict[str, list[str]]:
     """Return the topics of each driver; without a name those that a driver might publish."""
     drivers = {name: [topic for topic, _ in published(node, name)
-                      if topic not in (*OF_EVERY_NODE, DIAGNOSTICS)]
+                      if topic not in (*OF_EVERY_NODE, reports.DIAGNOSTICS)]
                for name in find_drivers(node, namespace)}
     known = set(sum(drivers.values(), []))
     others = [topic for topic in map(node.resolve_topic_name, TOPICS)
@@ -86,7 +85,7 @@ def _shared_names(node: Node, drivers: dict[str, list[str]]) -> Iterator[Finding
 
 def _topic(node: Node, topic: str) -> Iterator[Finding]:
     publishers = node.get_publishers_info_by_topic(topic)
-    if len(publishers) > 1 and topic != DIAGNOSTICS:
+    if len(publishers) > 1 and topic != reports.DIAGNOSTICS:
         names = ' and '.join(sorted(_name(info) for info in publishers))
         yield problem('publishers', f'{names} both publish {topic}: give one of them a namespace',
                       f'{RUN_DRIVER} --ros-args -r __ns:=/left')

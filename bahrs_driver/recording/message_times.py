@@ -128,7 +128,7 @@ class CounterTimes:
         self._stretches.append(Stretch(now.number, last if agree else None, slope))
 
 
-class Held(NamedTuple):
+class PendingMessage(NamedTuple):
     """A message that waits for its time."""
 
     frame: Frame
@@ -140,13 +140,13 @@ def with_times(messages: Iterable[tuple[Frame, Any]]
                ) -> Iterator[tuple[Frame, Any, int | None]]:
     """Yield the messages of a stream in their order, each with its device time in us or None."""
     counters = {kind: CounterTimes(period) for kind, period in PERIODS.items()}
-    held: deque[Held] = deque()
+    held: deque[PendingMessage] = deque()
     for frame, message in messages:
         kind = type(message)
         count = counters[kind].add(message.sequence) if kind in counters else 0
         if kind in ANCHORS:
             _tie(counters[ANCHORS[kind]], message)
-        held.append(Held(frame, message, count))
+        held.append(PendingMessage(frame, message, count))
         while held and (len(held) > MOST_HELD or _decided(counters, held[0])):
             yield _released(counters, held.popleft())
     for counter in counters.values():
@@ -162,12 +162,13 @@ def _tie(counter: CounterTimes, message: InertialTime | NavigationTime) -> None:
         counter.forget()
 
 
-def _decided(counters: dict[type[Any], CounterTimes], item: Held) -> bool:
+def _decided(counters: dict[type[Any], CounterTimes], item: PendingMessage) -> bool:
     counter = counters.get(type(item.message))
     return counter is None or counter.decided(item.number)
 
 
-def _released(counters: dict[type[Any], CounterTimes], item: Held) -> tuple[Frame, Any, int | None]:
+def _released(counters: dict[type[Any], CounterTimes], item: PendingMessage
+              ) -> tuple[Frame, Any, int | None]:
     frame, message, count = item
     counter = counters.get(type(message))
     if counter:
