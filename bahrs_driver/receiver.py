@@ -8,7 +8,7 @@ once, and tries again with growing pauses, until it is stopped. A fault of the d
 whatever is made of the bytes, is logged and counted, and costs what it happened to and no more.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 import threading
 import time
@@ -22,7 +22,7 @@ from bahrs_driver.protocol.framing import Frame, Framer
 FIRST_PAUSE = 0.1       # s, before the port is tried again
 LONGEST_PAUSE = 2.0     # s
 STEADY = 2.0            # s that a port without frames must stay open to be called open again
-SAMPLE_SIZE = 256       # bytes kept to tell what a stream without frames may be
+SAMPLE_SIZE = 256       # bytes kept to find out what a stream without frames may be
 READING = 'reading the port'
 
 
@@ -37,7 +37,7 @@ class Codec(Protocol):
 
 
 class Listener(Protocol):
-    """Who is told what happens on the link. Called on the receiver's thread."""
+    """What receives the events of the link, on the receiver's thread."""
 
     def link_opened(self) -> None:
         """Begin another stream: the port was opened."""
@@ -53,16 +53,16 @@ class Listener(Protocol):
         """
 
     def bytes_read(self, reading: Reading) -> None:
-        """Take the bytes of a read as they came, before anything is made of them."""
+        """Handle the bytes of a read, before anything is made of them."""
 
     def nothing_read(self) -> None:
-        """Take note that no byte came for a while."""
+        """Handle a read that timed out without a byte."""
 
     def received(self, batch: list[Received]) -> None:
-        """Take the messages whose time is known since the last read."""
+        """Handle the messages whose time is known since the last read."""
 
     def time_changed(self, sentence: str) -> None:
-        """Take note of what happened to a clock: the host's, the device's, or its pulses."""
+        """Report a change of a clock: the host's, the device's, or its pulses."""
 
 
 @dataclass
@@ -93,7 +93,7 @@ class Receiver:
         self._clock = clock
         self._faults = faults
         self._pause = FIRST_PAUSE
-        self._absence_told = False
+        self._absence_reported = False
         self._opened_at: float | None = None        # time.monotonic(); None while closed
         self._has_frames = False        # since it was opened
         self._flapping = False          # the latest opening was lost at once, without a frame
@@ -133,7 +133,7 @@ class Receiver:
         if self.counters.open_since is None:
             self.counters.open_since = self._opened_at
             self.counters.error = ''
-            self._absence_told = False
+            self._absence_reported = False
             self._faults.survive('reporting that the port is open', self._listener.link_usable)
 
     def _read_on(self) -> None:
@@ -179,7 +179,8 @@ class Receiver:
 
     def _hand_over(self, batch: list[Received]) -> None:
         for sentence in self._clock.take_notices():
-            self._faults.survive('reporting a change of time', self._listener.time_changed, sentence)
+            self._faults.survive('reporting a change of time', self._listener.time_changed,
+                                 sentence)
         if batch:
             self._faults.survive('handing out messages', self._listener.received, batch)
 
@@ -204,9 +205,9 @@ class Receiver:
 
     def _fail(self, error: LinkError, was_open: bool) -> None:
         reason = str(error)
-        known = reason == self.counters.error or (error.absent and self._absence_told)
-        self._absence_told = error.absent
+        known = reason == self.counters.error or (error.absent and self._absence_reported)
+        self._absence_reported = error.absent
         self.counters.error = self.counters.last_error = reason
         if was_open or not known:
-            self._faults.survive('reporting that the port is not open', self._listener.link_failed,
-                          reason, known)
+            self._faults.survive('reporting that the port is not open',
+                                 self._listener.link_failed, reason, known)
