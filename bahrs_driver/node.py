@@ -8,8 +8,7 @@ from threading import Lock
 import time
 from typing import Any
 
-from bahrs_driver.clock import NANOSECONDS
-from bahrs_driver.convert import raw
+from bahrs_driver.convert import raw, ros
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.guarded_task import GuardedTask
 from bahrs_driver.diagnostics.link_task import LinkTask
@@ -18,6 +17,7 @@ from bahrs_driver.diagnostics.names import node_label
 from bahrs_driver.diagnostics.problem_log import ProblemLog
 from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.self_test import answer
+from bahrs_driver.diagnostics.sharing_watch import count_trouble
 from bahrs_driver.diagnostics.task import Task
 from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.fault_log import FaultLog
@@ -51,7 +51,7 @@ WATCH_PERIOD = 0.1              # s, for what changes because nothing comes
 
 
 class DriverNode(Node):
-    """Publishes what a sensor on a serial port says, and how the link to it is doing."""
+    """Publishes the messages of a sensor on a serial port, and diagnostics."""
 
     def __init__(self) -> None:
         """Read the parameters and make the parts; ParameterError if one is bad."""
@@ -71,7 +71,8 @@ class DriverNode(Node):
         self._time_task = TimeTask(sensor.clock, sensor.health.stale)
         self._counts = dict.fromkeys(sensor.topics, 0)
         self._link_task = LinkTask(self._link, self.receiver.counters, sensor.silence_timeout,
-                                   sensor.silence_hint, self._count_trouble)
+                                   sensor.silence_hint, lambda: count_trouble(
+                                       sensor.framer.counters, sensor.health.lost))
         self._monitor = self._make_monitor(settings)
         self._problems = self._make_problem_log()
         self._gate = SubscriberGate(settings['startup.wait_for_subscribers'])
@@ -116,12 +117,12 @@ class DriverNode(Node):
         self.receiver.run()
 
     def leave_device(self) -> None:
-        """Have the device told to leave diagnostics mode, if it is in it for us."""
+        """Leave diagnostics mode if the driver entered it."""
         if self._sensor.nvm:
             self._sensor.nvm.end('the driver is ending')
 
     def link_opened(self) -> None:
-        """Note that another stream begins."""
+        """Begin another stream."""
         self._byte_ns = self._link.byte_time_ns
         if self._sensor.requester:
             self._sensor.requester.opened()
@@ -146,7 +147,7 @@ class DriverNode(Node):
         self._report_change()
 
     def bytes_read(self, reading: Reading) -> None:
-        """Publish the bytes of a read, if they are wanted."""
+        """Publish the bytes of a read if publish.raw is set, and the loss of a stale stream."""
         if self._raw:
             origin = Origin(self._sensor_name, self.receiver.counters.times_opened,
                             self._byte_ns, reading.now.ros_ns, reading.now.raw_ns)
@@ -157,7 +158,7 @@ class DriverNode(Node):
             publisher.flush()
 
     def nothing_read(self) -> None:
-        """Say what is to be said of a device that is silent."""
+        """Publish that the device is silent."""
         self._notice_silence()
 
     def _notice_silence(self) -> None:
@@ -179,7 +180,7 @@ class DriverNode(Node):
         self._report_change()
 
     def _report_change(self) -> None:
-        """Publish the diagnostics if they changed; what comes too soon waits for the timer."""
+        """Publish the diagnostics if they changed; a change that comes too soon waits."""
         with self._reporting:
             if self._monitor.change_due():
                 self._publish_report()
@@ -194,7 +195,7 @@ class DriverNode(Node):
         self._problems.check(self._monitor.verdicts() if is_open else {}, time.monotonic())
 
     def time_changed(self, sentence: str) -> None:
-        """Tell what happened to a clock."""
+        """Log a change of a clock, and show it in the task Time."""
         self._log.warning(sentence)
         self._time_task.notice(sentence, time.monotonic())
 
@@ -204,7 +205,7 @@ class DriverNode(Node):
         try:
             # A reliable subscription would get nothing from a best-effort publisher.
             self.create_subscription(
-                TimeReference, reference, self._pulse_told,
+                TimeReference, reference, self._on_pulse_reference,
                 QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT),
                 qos_overriding_options=QoSOverridingOptions.with_default_policies())
         except NameValidationException as error:
@@ -212,9 +213,8 @@ class DriverNode(Node):
                 f"parameter time.sync_pulse.reference is {reference!r}: it must be '{ROS_CLOCK}' "
                 'or the name of a topic') from error
 
-    def _pulse_told(self, message: TimeReference) -> None:
-        stamp = message.header.stamp        # any numbers: rclpy.time.Time would raise for some
-        self._sensor.clock.pulse_reference(stamp.sec * NANOSECONDS + stamp.nanosec)
+    def _on_pulse_reference(self, message: TimeReference) -> None:
+        self._sensor.clock.pulse_reference(ros.nanoseconds(message.header))
 
     def _publish_message(self, message: Any, stamp_ns: int) -> None:
         self._publish(self._sensor.converter.convert(message, stamp_ns))
@@ -223,10 +223,6 @@ class DriverNode(Node):
         for topic, message in outgoing:
             self._data[topic].publish(message)
             self._counts[topic] += 1
-
-    def _count_trouble(self) -> int:
-        counters = self._sensor.framer.counters
-        return counters.crc_failures + counters.skipped_bytes // 8 + self._sensor.health.lost
 
     def _report(self) -> None:
         self._link_task.check_sharing(time.monotonic())

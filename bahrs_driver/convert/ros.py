@@ -27,6 +27,11 @@ NO_VECTOR: Vector = (_NAN, _NAN, _NAN)
 _Z = 2
 
 
+def nanoseconds(header: Header) -> int:
+    """Return the stamp of a foreign header. It may be any, and rclpy.time.Time raises for some."""
+    return int(header.stamp.sec * NANOSECONDS + header.stamp.nanosec)
+
+
 def header(stamp_ns: int, frame_id: str) -> Header:
     """Return a header; stamp_ns is in nanoseconds since the epoch."""
     message = Header(frame_id=frame_id)

@@ -5,14 +5,15 @@ Whether another program reads the same port, and so takes bytes from the driver.
 
 The driver opens a port for itself alone, but who had it open before keeps it, and root may open
 it at any time. The kernel gives each byte to one of the readers, so there is no error to see: a
-read may find nothing, frames are damaged or lost, or nothing arrives at all. Only then is it
-worth a look through /proc.
+read may find nothing, frames are damaged or lost, or nothing arrives at all. Only
+then is /proc searched.
 """
 
 from collections.abc import Callable
 import os
 
 from bahrs_driver.link import Link
+from bahrs_driver.protocol.framing import FramingCounters
 from bahrs_driver.transport.explain import described, list_command, MOST_NAMED
 from bahrs_driver.transport.processes import holders, Process
 
@@ -21,6 +22,12 @@ LOOK_AGAIN = 3.0        # s, for a look may take a tenth of a second; doubled wh
 LONGEST_WAIT = 60.0     # s
 LIFETIME = 10.0         # s that a finding holds
 ENOUGH_STOLEN = 3       # reads that found nothing, which prove it
+TYPICAL_SIZE = 8        # bytes of a short frame, by which stray bytes count as frames
+
+
+def count_trouble(counters: FramingCounters, lost: int) -> int:
+    """Return about how many frames were damaged or lost, both of which a second reader causes."""
+    return counters.crc_failures + counters.skipped_bytes // TYPICAL_SIZE + lost
 
 
 class SharingWatch:
