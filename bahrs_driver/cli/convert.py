@@ -3,6 +3,7 @@
 """`bahrs convert`: a recording of bytes into all topics."""
 
 import argparse
+from collections.abc import Iterator
 import contextlib
 from datetime import datetime, timezone
 import json
@@ -78,7 +79,8 @@ def run(options: argparse.Namespace) -> int:
         conversion = Conversion(capture, settings, lambda: SENSORS[name](settings, Link(
             settings['port'], settings['baud_rate'])), options.start)
         with new_directory(options.output) as folder:
-            outcome = _convert(options, conversion, capture, folder)
+            with _shown_as(options.output, folder):
+                outcome = _convert(options, conversion, capture, folder)
             if not outcome.frames:
                 raise CommandError(f'no frame of a {name} in {options.input}')
     except (CaptureError, ParameterError, WriteError) as error:
@@ -86,6 +88,15 @@ def run(options: argparse.Namespace) -> int:
     _report(options, [*unused_options(options, capture.timed), *notes, *capture.notes,
                       *conversion.notices, *outcome.clock_steps], outcome)
     return 0
+
+
+@contextlib.contextmanager
+def _shown_as(target: str, folder: Path) -> Iterator[None]:
+    """Name a temporary directory in errors by the name that it is to have."""
+    try:
+        yield
+    except (CaptureError, WriteError) as error:
+        raise CommandError(str(error).replace(printable(folder), printable(target))) from error
 
 
 def _refuse_pipe(name: str) -> None:
@@ -108,12 +119,7 @@ def _convert(options: argparse.Namespace, conversion: Conversion, capture: Captu
                 tasks[what] = bar.add_task(what, total=capture.size)
             bar.update(tasks[what], completed=capture.done)
 
-        try:
-            return conversion.run(output, progress)
-        except (CaptureError, WriteError) as error:
-            # The user knows the directory by the name that it was to have.
-            raise CommandError(str(error).replace(printable(folder), printable(options.output))
-                               ) from error
+        return conversion.run(output, progress)
 
 
 def _report(options: argparse.Namespace, notes: list[str], outcome: Outcome) -> None:

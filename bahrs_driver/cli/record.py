@@ -84,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
             failure = str(error)
     _report(options, recorder, bag, failure)
     if failure:
-        raise CommandError(f'recording was stopped: {failure}')
+        raise CommandError(f'recording was stopped: {failure}; the bag has all that came before')
     if not bag.count:
         raise CommandError(f'{printable(bag.folder)} is empty: {_nothing(options, recorder)}')
     return 0

@@ -13,8 +13,7 @@ import contextlib
 import os
 from pathlib import Path
 
-from bahrs_driver.files.guard import check_target, reason, WriteError
-from bahrs_driver.printable import printable
+from bahrs_driver.files.guard import check_target, sentence, WriteError
 
 
 class SealedFile:
@@ -82,8 +81,7 @@ class SealedFile:
             with contextlib.suppress(OSError):
                 os.ftruncate(self._file, self._place)
                 _write(self._file, self._seal, self._place)
-            raise WriteError(f'cannot write {printable(self._path)}: {reason(error)}; it has all '
-                             'that came before') from error
+            raise WriteError(sentence(error, self._path)) from error
         self._place += len(data) - len(end)
 
 

@@ -128,6 +128,7 @@ def test_no_room(flight, capsys, tmp_path, verb):
     """One sentence with a remedy; of a complete file nothing is left."""
     with no_larger_file_than(100):
         sentence = refused(flight, capsys, *EVERY_VERB[verb], tmp_path / 'target')
+    assert f'cannot write {tmp_path}/target' in sentence
     assert 'File too large: choose another directory' in sentence
     assert set(os.listdir(tmp_path)) <= ({'target'} if verb == 'emulate --truth' else set())
 

@@ -271,7 +271,8 @@ def interrupted(services, ear, interrupt):
     raise AssertionError('ten dumps were over before anything could come between')
 
 
-def test_ending_the_node_makes_the_device_leave(emulator, tmp_path):
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGHUP])
+def test_ending_the_node_makes_the_device_leave(emulator, tmp_path, number):
     """At once: this device would not leave by its own time-out before this test gives up."""
     emulator('--nvm-timeout', '3600', *SLOW)
     with listening(HEARD) as ear:
@@ -280,7 +281,7 @@ def test_ending_the_node_makes_the_device_leave(emulator, tmp_path):
             ear.wait('imu/data', 10)
             services.start('nvm/dump')
             assert wait_for(lambda: reading(ear))
-            assert node.end(signal.SIGINT) == 0, node.text
+            assert node.end(number) == 0, node.text
             assert 'Traceback' not in node.text
         before = len(ear.heard['imu/data'])
         with driver(str(tmp_path / 'port')):
