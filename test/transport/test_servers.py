@@ -14,6 +14,7 @@ import time
 from bahrs_driver import link as link_module
 from bahrs_driver.link import Link, LinkError
 from bahrs_driver.transport import pyserial_url, tcp
+from hypothesis import given, HealthCheck, settings, strategies as st
 from processes import wait_for
 import pytest
 from serial import rfc2217
@@ -108,6 +109,26 @@ def test_what_a_server_sends_prints_no_traceback(served, capfd):
     link, server = served('rfc2217')
     server.write(rfc2217.IAC + rfc2217.SE)
     with pytest.raises(LinkError, match='is gone'):
+        while True:
+            link.read()
+    link.close()
+    assert capfd.readouterr().err == ''
+
+
+# Bytes of which many are commands of Telnet.
+TELNET = st.lists(st.sampled_from([rfc2217.IAC, rfc2217.SB, rfc2217.SE, rfc2217.WILL, rfc2217.DO,
+                                   rfc2217.DONT, rfc2217.COM_PORT_OPTION, b'\x00', b'\x65',
+                                   b'\x6b', b'A']), max_size=60).map(b''.join)
+
+
+@settings(max_examples=12, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(TELNET)
+def test_any_bytes_of_a_server(served, capfd, data):
+    """The port gives data, or is gone; no traceback, no endless wait."""
+    link, server = served('rfc2217')
+    server.write(data)
+    server.close()
+    with pytest.raises(LinkError):
         while True:
             link.read()
     link.close()
