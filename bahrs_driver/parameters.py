@@ -96,7 +96,7 @@ PARAMETERS = (
               choices=('nan', 'withhold')),
     Parameter('publish.raw', False,
               'Whether to publish raw, the bytes of each read as they came. A bag that holds it '
-              'holds everything, and can be converted anew.'),
+              'holds everything, and can be converted again.'),
     Parameter('startup.wait_for_subscribers', 0.0,
               'Longest time to wait, before the port is opened, until each data topic has a '
               'subscriber, so that a recorder that was started first misses nothing; 0 does not '
@@ -111,8 +111,8 @@ PARAMETERS = (
               'Hz', low=0.01, high=1000.0, or_zero=True, sensor=TITAN_M),
     Parameter('gps.week', 0,
               'GPS week since 1980 in which the driver is started, for a host whose clock is not '
-              'set; 0 is unknown. Else the week nearest to the clock of the host is used, and a '
-              'contradiction reported.', low=0, high=3000, sensor=TITAN_M),
+              'set; 0 is unknown. If the clock is set, the week nearest to it is used, and a '
+              'gps.week that contradicts it is reported.', low=0, high=3000, sensor=TITAN_M),
     Parameter('gps.leap_seconds', 18, 'GPS time less UTC, for time_reference.', 's',
               low=0, high=100, sensor=TITAN_M),
     Parameter('gps.geoid_height', 0.0,
