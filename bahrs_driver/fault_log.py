@@ -16,7 +16,7 @@ from typing import Any
 from bahrs_driver.printable import printable
 
 LOG_PERIOD = 10.0           # s from one log line to the next of the same kind
-MOST_KINDS = 32             # kinds that are told apart; more are logged as one
+MOST_KINDS = 32             # kinds that are distinguished; more are logged as one
 
 Write = Callable[[str], object]
 

@@ -6,10 +6,10 @@ What the launch files of this package describe: one driver node, and its launch 
 A value reaches the node from an argument that is given, else from the parameter file, else it is
 the default of the driver: an argument that is not given passes nothing on.
 
-Launch keeps arguments in the scope of whoever includes a file, and the next file that is included
+Launch keeps arguments in the scope of the including file, and the next file that is included
 there finds them. So everything here happens in a scope of its own, and a value that an earlier
-include of ours has used is marked, so that a later one takes it for not given. It stays what it
-was for everybody else. A namespace for several drivers is given to each include.
+include of ours has used is marked, so that a later one takes it for not given. For
+other files it stays as it was. A namespace for several drivers is given to each include.
 """
 
 from collections.abc import Iterator
@@ -84,7 +84,7 @@ def _used_names(context: LaunchContext) -> Iterator[str]:
 
 
 def _mark_used_values(context: LaunchContext) -> None:
-    """Mark what is left in the scope of whoever included the file."""
+    """Mark what is left in the scope of the including file."""
     values = context.launch_configurations
     for name in ARGUMENTS:
         if name in values:

@@ -83,7 +83,7 @@ def _keep_running(name: str, run_thread: Callable[[], None], node: DriverNode,
 
 
 def _check_arguments(words: list[str]) -> None:
-    """Raise what rcl has to say of its arguments, without the lines that it would log."""
+    """Raise the errors of rcl about its arguments, without the lines that it would log."""
     own = split(words)[0][1:]
     if own:
         raise ParameterError(f'{printable(repr(own[0]))} is not understood: parameters are given '

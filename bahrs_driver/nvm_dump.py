@@ -3,8 +3,8 @@
 """
 Where the service ~/nvm/dump may write.
 
-Everybody on the ROS graph can set nvm.dump_path and call the service. So it names a regular file
-inside a directory that only who starts the node chooses.
+Every node on the ROS graph can set nvm.dump_path and call the service. So it names a regular file
+inside a directory that is fixed when the driver starts.
 """
 
 from collections.abc import Iterator

@@ -25,10 +25,10 @@ class Conversation(Protocol):
     """What to ask a device, and when. Times are of the host's raw clock, in ns."""
 
     def begin(self, now: int, byte_time: int) -> None:
-        """Take note that the line is open, and of how long a byte takes on it."""
+        """Begin on an open line, on which a byte takes byte_time ns."""
 
     def end(self) -> None:
-        """Take note that the line is gone."""
+        """End: the line is gone."""
 
     def due(self, now: int) -> int | None:
         """Return when to call send(); None is when an answer has come, or never."""

@@ -89,7 +89,7 @@ def log_problem(environment: Mapping[str, str] = os.environ) -> str:
     if not place.is_dir():
         return f'{_quoted(folder)} cannot be made: {_quoted(place)} is no directory'
     try:
-        # Permissions do not tell everything: a file system may be full, or no place for files.
+        # Permissions are not enough: a file system may be full, or hold no files.
         with tempfile.TemporaryFile(dir=place):
             return ''
     except OSError as error:

@@ -38,10 +38,10 @@ _EXAMPLES = """examples:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
-        'Make all topics of the driver anew, from the bytes that the device sent. Stamps are\n'
-        'better than those of the flight, for what came later tells of them, too; those of a\n'
-        'Titan-M are arrival times, for requests are not recorded. Log times are the stamps, on\n'
-        'a clock that nobody sets.')
+        'Regenerate all topics of the driver from the bytes that the device sent. Stamps are\n'
+        'better than those of the flight, because later data improves them, too; those of a\n'
+        'Titan-M are arrival times, because requests are not recorded. Log times are the stamps,\n'
+        'without the steps of the host clock.')
     parser.epilog = _EXAMPLES
     parser.add_argument('input', metavar='IN',
                         help='bag that holds the topic raw, or file of bytes')

@@ -19,7 +19,7 @@ _OF_A_POSITION = ('easting', 'northing', 'altitude', 'velocity_ned_north', 'velo
                   'velocity_ned_down', 'heading_deg', 'speed', 'ground_speed')
 
 
-MOST_HELD = 100_000         # answers that wait for their byte order; a stream may never tell it
+MOST_HELD = 100_000         # answers that wait for their byte order; a stream may never show it
 
 
 class Decoder(Protocol):

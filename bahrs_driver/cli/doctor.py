@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""`bahrs doctor`: why there is no data, and the command that mends it."""
+"""`bahrs doctor`: why there is no data, and the command that fixes it."""
 
 import argparse
 from collections.abc import Iterator
@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         'Look at the port, its adapter, who else uses it, which device speaks on it and how\n'
         'fast, and at the set-up of ROS and who listens. Each finding comes with the command\n'
-        'that mends it. Nothing is written to the device, but with --ask.')
+        'that fixes it. Nothing is written to the device, but with --ask.')
     parser.epilog = _EXAMPLES
     parser.add_argument('port_given', nargs='?', metavar='PORT',
                         help='path or URL (default: the only adapter there is, or '
@@ -97,7 +97,7 @@ def _findings(options: argparse.Namespace, has_rclpy: bool) -> Iterator[Finding]
     if may_listen:
         heard = yield from listening.look(str(machine.path(port)) if is_path else port,
                                           options.baud_rate, ask=options.ask)
-    # Whatever was heard is part of every command that starts a driver for it.
+    # What was recognised is part of every command that starts a driver for it.
     run_it = partial(run_driver, sensor=heard.sensor, baud_rate=heard.baud_rate) if heard \
         else partial(run_driver, baud_rate=options.baud_rate)
     if is_path:

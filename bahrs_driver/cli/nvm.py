@@ -172,14 +172,14 @@ class Device:
         return self._streams.wait(timeout)
 
     def link_opened(self) -> None:
-        """Take note that there is a port."""
+        """Note that there is a port."""
         self._opened.set()
 
     def link_usable(self) -> None:
         """Do nothing: that it was opened is enough."""
 
     def link_failed(self, reason: str, known: bool) -> None:
-        """Take note that there is none, or no longer one."""
+        """End the session, and keep the reason."""
         self.failure = reason
         self._opened.set()
         self.reader.lost(reason)

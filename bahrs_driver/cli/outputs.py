@@ -4,8 +4,8 @@
 Files that the user names for a verb to write.
 
 One rule for all verbs: a regular file, complete or not at all, never in place of another one
-without --force. "-" and /dev/stdout are standard output, /dev/null takes what nobody wants; no
-other device, FIFO or socket is written into.
+without --force. "-" and /dev/stdout are standard output, /dev/null discards; no other
+device, FIFO or socket is written into.
 """
 
 import argparse

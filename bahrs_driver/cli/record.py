@@ -91,7 +91,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def new_bag(output: str | None) -> BagWriter:
-    """Make the bag that is named, or one under a name that nobody else has taken."""
+    """Make the bag that is named, or one under a name that is free."""
     base = output or time.strftime('bahrs_%Y_%m_%d-%H_%M_%S')
     for folder in chain([base], (f'{base}_{number}' for number in count(2))):
         try:
@@ -106,7 +106,7 @@ def _record(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
             ended: ShutdownEvent) -> None:
     """Write what comes, until ended."""
     begin = file_begin = synced = time.monotonic()
-    end, told, empty = begin + max(options.duration, FIRST_WAIT), '', True
+    end, shown, empty = begin + max(options.duration, FIRST_WAIT), '', True
     console, doing = Console(stderr=True), f'recording into {escape(printable(bag.folder))}'
     try:
         with console.status(doing) as status:
@@ -128,9 +128,9 @@ def _record(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
                               f'{now - begin:.0f} s')
                 if not bag.count and now - begin > PATIENCE:
                     reason = _nothing(options, recorder)
-                    if reason != told:
+                    if reason != shown:
                         console.print(escape(f'bahrs record: {reason}'), soft_wrap=True)
-                        told = reason
+                        shown = reason
                 if now >= end:
                     break
     finally:
@@ -173,7 +173,7 @@ def _report(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
     for sentence in _complaints(recorder):
         print(f'bahrs record: {sentence}', file=sys.stderr)
     if counts and not any(topic.endswith(f'/{RAW}') for topic in counts):
-        print(f'without {RAW} it cannot be converted anew: start the driver with '
+        print(f'without {RAW} it cannot be converted later: start the driver with '
               '-p publish.raw:=true for that', file=sys.stderr)
 
 

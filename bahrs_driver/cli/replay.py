@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         'Make a serial port (a pseudo-terminal), print its path, wait until somebody opens\n'
         'it, and play what a device sent: a bag that holds raw as it was read, bytes of a\n'
-        'BAHRS at the rates of the device. Playing pauses while nobody has the port open.')
+        'BAHRS at the rates of the device. Playing pauses while no reader has the port open.')
     parser.epilog = '\n'.join([
         _EXAMPLES, 'faults, with a rate from 0 to 1 for each byte or frame:',
         *(f'  {name:<28}{text}' for name, text in FAULTS.items())])
@@ -115,7 +115,7 @@ def run(options: argparse.Namespace) -> int:
             port.wait_until_read(LONGEST_UNREAD)
     notes = capture.notes if capture else []
     if not complete:
-        notes.append('nobody has opened the port again: the rest was not played')
+        notes.append('no reader opened the port again: the rest was not played')
     _report(options, player.played, faults, notes)
     return 0 if complete else 1
 

@@ -4,7 +4,7 @@
 Which signals end a verb.
 
 A shell that runs a script starts commands in the background with SIGINT ignored, and Python
-leaves an ignored signal so. Whoever sends one to a verb wants its end, so handlers are installed
+leaves an ignored signal so. A signal sent to a verb is meant to end it, so handlers are installed
 whatever was inherited. Only a hang-up that is ignored stays so: nohup does that on purpose.
 """
 

@@ -101,7 +101,7 @@ class SampleCounter:
         return True
 
     def jump(self, sequence: int, bound: int) -> None:
-        """Take a frame whose count cannot be told from the one before."""
+        """Take a frame whose count does not follow from the one before."""
         self.expect(sequence, bound)
         self.follow(sequence, bound)
 

@@ -35,7 +35,7 @@ class DeviceTime:
         self.counter = SampleCounter()
         self.labels = LabelReading(label)
         self.known = False
-        self.adrift = True              # no count is known until the next sample tells it
+        self.adrift = True              # no count is known until the next sample
         self.rejected = 0               # time messages that contradicted
         self.navigation = NavigationCounter()
         self._timeline: Timeline | None = None

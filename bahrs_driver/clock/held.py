@@ -27,10 +27,10 @@ class Held:
         self.message = message
         self.frame = frame
         self.bound = bound
-        self.timed = False                          # whether it is about a time
+        self.timed = False                          # whether it has a time
         self.count: int | None = None               # of the sample that it is
         self.near: CountedSequence | None = None    # the sample before a navigation message
-        self.device: int | None = None              # the device time that it tells, in ns
+        self.device: int | None = None              # the device time that it carries, in ns
         self.unfed = False                          # a sample that the tracker did not get yet
 
 

@@ -15,7 +15,7 @@ FASTEST_SLEW = 0.1          # what chrony and adjtime do is below
 
 
 def step_sentence(step: int) -> str:
-    """Return what the user should be told of a step of ROS time by so many ns."""
+    """Return a sentence for the user about a step of ROS time by so many ns."""
     return f"the host's clock was set by {step / NANOSECONDS:+.6f} s"
 
 

@@ -11,7 +11,7 @@ the stream, also those that need no time: what follows a sample that is held is 
 
 A stream, or what comes after a silence, seldom begins with an inertial message. What comes before
 the first one is looked at together with it, as if the sample before that had just come: it was
-sent, only nobody heard it.
+sent, but not received.
 """
 
 from collections import deque
@@ -76,7 +76,7 @@ class SampleClock:
         return SampleClock(self._options, tracker)
 
     def begin(self, byte_time: int) -> None:
-        """Take note that another stream begins, and of the ns that a byte takes on its line."""
+        """Begin another stream, on whose line a byte takes byte_time ns."""
         self._bounds = ByteBounds(byte_time)
         self._held.take_all()
         self._early.clear()
@@ -106,13 +106,13 @@ class SampleClock:
         return stamped
 
     def end(self) -> list[Stamped]:
-        """Take note that the stream has ended, and return what still waited for its time."""
+        """End the stream, and return the messages that still waited for a stamp."""
         self._stop_holding()
         stamped, self._stamped = self._stamped, []
         return stamped
 
     def take_notices(self) -> list[str]:
-        """Return what the user should be told since the last call, a sentence each."""
+        """Return the notices for the user since the last call, a sentence each."""
         return self._notices.take()
 
     def _take(self, item: Held) -> None:
@@ -215,7 +215,7 @@ class SampleClock:
                 item.unfed = False
 
     def _stop_holding(self) -> None:
-        """Release what is held, for what comes next will tell nothing of it."""
+        """Release what is held: later messages will not help to time it."""
         self._stop_doubting()
         self._give(self._device.known)
         self._patient = True

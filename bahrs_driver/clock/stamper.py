@@ -19,7 +19,7 @@ from bahrs_driver.clock.tracker import Tracker
 from bahrs_driver.clock.units import MILLISECOND, NANOSECONDS
 from bahrs_driver.protocol.bahrs import Inertial, SyncPulseTime
 
-LONGEST_AGO = 10 * NANOSECONDS      # that a message may tell of
+LONGEST_AGO = 10 * NANOSECONDS      # the oldest time that a message may have
 SAME = MILLISECOND      # device times that differ by less are of one sample
 
 

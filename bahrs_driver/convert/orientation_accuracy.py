@@ -7,8 +7,9 @@ Its deviations are rotations about north, east and down. North is magnetic: the 
 the magnetic heading, and neither its messages nor its memory hold a declination or a position to
 compute one from. So about the published axes, turned by the declination, they are correlated.
 
-Without a heading nobody knows which way north is, and the larger of the two tilts counts for both.
-What the message does not say, or when there is none, has the deviation that the user assumes.
+Without a heading the direction of north is unknown, and the larger of the two tilts counts for
+both. What the message does not say, or when there is none, has the deviation that the user
+assumes.
 """
 
 import math

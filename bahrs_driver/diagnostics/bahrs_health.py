@@ -36,7 +36,7 @@ class BahrsHealth:
         self._device.observe(message)
 
     def opened(self) -> None:
-        """Take note that another stream begins."""
+        """Begin another stream."""
         self._rates.restart()
 
     def stale(self, now: float) -> bool:

@@ -22,7 +22,7 @@ class LinkTask:
         """
         Watch a link; it is silent after silence_timeout seconds without a byte.
 
-        silence_hint tells the user what to look at when it is. trouble returns how many frames
+        silence_hint is the remedy for a silent link. trouble returns how many frames
         were damaged or lost so far, which may be the work of another program.
         """
         self._link = link

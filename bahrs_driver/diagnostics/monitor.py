@@ -30,7 +30,7 @@ class Monitor:
         Take the tasks, the names of node and hardware, and a clock in seconds.
 
         Both names identify a status to those who collect them: after a change they would keep
-        an entry that nobody updates.
+        an entry that is never updated.
         """
         self._tasks = tasks
         self._node_label = node_label

@@ -20,7 +20,7 @@ class PublishingTask:
         """
         Show the counts, by topic; they are stale after timeout seconds without a change.
 
-        Topics that are latched tell of changes, also of the loss of all data, and do not count. A
+        Latched topics report changes, also the loss of all data, and do not count. A
         fault of the driver is shown for a while.
         """
         self._counts = counts

@@ -9,7 +9,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
-# Tells whether data has ceased, at a time of time.monotonic().
+# Returns whether data has ceased, at a time of time.monotonic().
 Staleness = Callable[[float], bool]
 NO_DATA = 'No data from the device'
 

@@ -39,7 +39,7 @@ class TitanDeviceTask:
         reader, gps = self._reader, self._gps()
         if reader.held:
             return Verdict(WARN, f'The byte order of payloads is not known yet, {reader.held} '
-                                 'answers wait for it: payload_order would tell it')
+                                 'answers wait for it: set payload_order if you know it')
         if reader.doubted:
             return Verdict(WARN, f'Answers are read as {reader.order}-endian and make no sense: '
                                  'is payload_order right?')
@@ -81,7 +81,7 @@ class TitanHealth:
         self._rates.observe(message, now)
 
     def opened(self) -> None:
-        """Take note that another stream begins."""
+        """Begin another stream."""
         self._rates.restart()
 
     def stale(self, now: float) -> bool:

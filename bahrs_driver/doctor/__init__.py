@@ -3,7 +3,7 @@
 """
 What `bahrs doctor` looks at.
 
-`machine` is the computer as its files tell of it; `usb_port`, `listening`, `ros_environment`,
-`ros_logging`, `graph` and `reports` each look at one thing and yield findings; `commands` has the
-commands that they suggest.
+`machine` reads the state of the computer from its files; `usb_port`, `listening`,
+`ros_environment`, `ros_logging`, `graph` and `reports` each look at one thing and yield findings;
+`commands` has the commands that they suggest.
 """

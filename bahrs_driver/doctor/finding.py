@@ -20,7 +20,7 @@ class Finding(NamedTuple):
     check: str              # what was looked at, in a word or two
     level: Level
     message: str            # how it is, in a sentence
-    command: str = ''       # what to type to mend it; empty if there is nothing to mend
+    command: str = ''       # what to type to fix it; empty if there is nothing to fix
 
 
 def good(check: str, message: str) -> Finding:

@@ -29,10 +29,10 @@ _POLICIES = ('reliability', 'durability')
 def look(node: Node, port: str, seconds: float = DISCOVERY_TIME, command: str = '',
          namespace: str = '') -> Iterator[Finding]:
     """
-    Yield what is so about all drivers, or those of a namespace, as a node sees them.
+    Yield findings about all drivers, or those of a namespace, as a node sees them.
 
     command is the one that starts a driver for the device on the port. Topics below the node's
-    own namespace are looked at, too, whoever publishes them.
+    own namespace are looked at, too, even if other nodes publish them.
     """
     time.sleep(seconds)             # what is there can only be waited for
     end = time.monotonic() + PATIENCE

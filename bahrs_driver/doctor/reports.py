@@ -20,7 +20,7 @@ _PROFILE = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 class Reports:
-    """What was heard of some drivers, given by their fully qualified names."""
+    """Collects the statuses of some drivers, given by their fully qualified names."""
 
     def __init__(self, drivers: Sequence[str]) -> None:
         """Start with nothing."""

@@ -17,7 +17,7 @@ RANGES = ('SUBNET', 'LOCALHOST', 'OFF', 'SYSTEM_DEFAULT')
 
 
 def look(environment: Mapping[str, str], has_rclpy: bool, python: Path) -> Iterator[Finding]:
-    """Yield what is so about the variables of ROS; python is the prefix of this Python."""
+    """Yield findings about the variables of ROS; python is the prefix of this Python."""
     prefixes = [Path(item) for item in environment.get('AMENT_PREFIX_PATH', '').split(':') if item]
     if not has_rclpy:
         yield problem('ROS', 'rclpy cannot be imported: the set-up of ROS was not sourced',

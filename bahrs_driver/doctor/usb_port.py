@@ -34,7 +34,7 @@ def candidates(machine: Machine) -> list[str]:
 
 
 def look(machine: Machine, port: str, rule: str) -> Iterator[Finding]:
-    """Yield what is so about a port that is a path; rule is where the udev rule is."""
+    """Yield findings about a port that is a path; rule is where the udev rule is."""
     yield from look_at_port(machine, port, rule)
     yield from look_at_name(machine, port, rule)
 

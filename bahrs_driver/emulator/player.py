@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Plays a recorded stream on a port, at its own pace, to whoever has the port open."""
+"""Plays a recorded stream on a port, at its own pace, while a reader has the port open."""
 
 from collections.abc import Callable, Iterable
 import time
@@ -11,9 +11,9 @@ from bahrs_driver.emulator.pty_port import PtyPort
 
 class Player:
     """
-    Writes pieces when they are due, and pauses while nobody has the port open.
+    Writes pieces when they are due, and pauses while no reader has the port open.
 
-    What is written then would be lost, and the player would report a stream that nobody has read.
+    What is written then would be lost, and the player would report a stream that was not read.
     """
 
     def __init__(self, port: PtyPort, rate: float, settle: float, patience: float | None,
@@ -29,7 +29,7 @@ class Player:
         self._patience, self._report = patience, report
 
     def play(self, pieces: Iterable[Piece]) -> bool:
-        """Play to the end; False if the reader has closed the port and nobody opens it again."""
+        """Play to the end; False if the reader closed the port and none opens it again."""
         start = time.monotonic()
         for due, data in pieces:
             ahead = start + due / self._rate - time.monotonic()
@@ -43,7 +43,7 @@ class Player:
         return True
 
     def _write(self, data: bytes) -> bool:
-        """Write a piece if somebody reads it; what a reader leaves behind when it goes is lost."""
+        """Write a piece if there is a reader; what it leaves unread when it closes is lost."""
         if not data:            # after the end of the stream, when the reader may have gone
             return True
         if not self._port.is_open:

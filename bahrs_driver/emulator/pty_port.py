@@ -18,7 +18,7 @@ from bahrs_driver.printable import printable
 
 _PSEUDO_TERMINAL = re.compile('/dev/pts/[0-9]+')
 _READ_SIZE = 4096
-_NOBODY_WAIT = 0.02     # s between two looks for somebody at the other end
+_READER_POLL_PERIOD = 0.02     # s between two looks for a reader at the other end
 _EXCLUSIVE_WAIT = 2.0   # s for a reader of whom nothing is known
 _UNKNOWN = -1           # number of bytes
 
@@ -42,7 +42,7 @@ class PtyPort:
         tty.setraw(far_end)
         os.set_blocking(self._fd, False)
         self.path = os.ttyname(far_end)
-        # Closing it lets poll() tell whether anybody else has it open.
+        # Closing it lets poll() show whether another program has it open.
         os.close(far_end)
         try:
             self._make_link()
@@ -66,8 +66,8 @@ class PtyPort:
         while not self.is_open:
             if timeout is not None and waited >= timeout:
                 return False
-            time.sleep(_NOBODY_WAIT)
-            waited += _NOBODY_WAIT
+            time.sleep(_READER_POLL_PERIOD)
+            waited += _READER_POLL_PERIOD
         return True
 
     def wait_until_read(self, timeout: float) -> bool:
@@ -81,8 +81,8 @@ class PtyPort:
         while self.is_open and (unread := self._unread()):
             if waited >= (min(timeout, _EXCLUSIVE_WAIT) if unread == _UNKNOWN else timeout):
                 return unread == _UNKNOWN
-            time.sleep(_NOBODY_WAIT)
-            waited += _NOBODY_WAIT
+            time.sleep(_READER_POLL_PERIOD)
+            waited += _READER_POLL_PERIOD
         return True
 
     def _make_link(self) -> None:
@@ -131,7 +131,7 @@ class PtyPort:
             try:
                 data = data[os.write(self._fd, data):]
             except BlockingIOError:
-                self._poll(select.POLLOUT, _NOBODY_WAIT)
+                self._poll(select.POLLOUT, _READER_POLL_PERIOD)
 
     def write_at_once(self, data: bytes) -> int:
         """Send what can be sent without waiting; return how much, all if nobody listens."""

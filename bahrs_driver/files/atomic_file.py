@@ -59,7 +59,7 @@ class AtomicFile:
             self._file.flush()
             os.fsync(self._file.fileno())
             self._file.close()
-        # Replacing would take a device or a link that came meanwhile from whoever made it.
+        # Replacing would remove a device or a link that another program made meanwhile.
         check_target(self._name, self._shown, self._replace, self._directory)
         if self._replace:
             self._rename()
@@ -95,7 +95,7 @@ class AtomicFile:
         return os.open(name, _NEW, _MODE, dir_fd=self._directory)
 
     def _claim(self) -> None:
-        # Renaming replaces whatever there is; only creating tells that there was nothing.
+        # Renaming replaces anything; only creating fails if something is there.
         with guard(self._shown):
             try:
                 os.close(self._open_new(self._name))
@@ -140,7 +140,7 @@ def atomic_file_inside(root: PathLike, path: PathLike, shown: PathLike,
 
 
 def write_atomic(path: PathLike, data: bytes, replace: bool = False) -> None:
-    """Write a file that nobody ever sees half of; WriteError if it cannot be written."""
+    """Write a file that appears complete or not at all; WriteError if it cannot be written."""
     with atomic_file(path, replace) as file:
         file.write(data)
         file.commit()

@@ -107,7 +107,7 @@ def named_target(path: PathLike) -> tuple[str, str]:
 
 
 def temporary_name() -> str:
-    """Return a name that nobody else uses, hidden, and short on every file system."""
+    """Return a unique hidden name, short enough for every file system."""
     return f'.bahrs_{secrets.token_hex(8)}.partial'
 
 

@@ -10,7 +10,7 @@ from bahrs_driver.files.guard import (
 )
 from bahrs_driver.printable import printable
 
-# Whoever puts a FIFO where a file was a moment ago must not block us.
+# A FIFO that was put in place of the file a moment ago must not block.
 _HOW = os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
 _MODE = 0o666               # less what the umask takes
 

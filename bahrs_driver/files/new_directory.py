@@ -38,7 +38,7 @@ def new_directory(target: PathLike) -> Iterator[Path]:
 
 
 def _move(made: Path, target: PathLike) -> None:
-    # Renaming replaces an empty directory; only creating it tells that there was none.
+    # Renaming replaces an empty directory; only creating it fails if there is one.
     try:
         os.mkdir(target)
     except FileExistsError as error:

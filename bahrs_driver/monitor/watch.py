@@ -34,7 +34,7 @@ DRIVER_TIMEOUT = 3.5        # s without diagnostics, from which on the driver is
 DIAGNOSTICS = '/diagnostics'
 STRONGEST_FORCE = 1000.0    # m/s^2; no message of more says which way is up
 
-# A subscriber that only looks must hold up no publisher, and hear those that are best effort, too.
+# A subscriber that only looks must hold up no publisher, and receive from best-effort ones, too.
 _PROFILE = QoSProfile(depth=200, reliability=ReliabilityPolicy.BEST_EFFORT)
 _LATCHED_PROFILE = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 

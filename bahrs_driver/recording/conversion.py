@@ -5,7 +5,7 @@ A capture through the rooms of the driver once more: every topic, with time know
 
 The first pass looks at when bytes were read, and the second one stamps and converts. Messages
 are held for some seconds, so that they leave in the order of their log times, which are their
-stamps on a clock that nobody sets (see `log_clock`).
+stamps without the steps of the host clock (see `log_clock`).
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -81,7 +81,7 @@ class Conversion:
         self.notices: list[str] = []        # sentences about the data
 
     def run(self, output: Output, progress: Callable[[str], None]) -> Outcome:
-        """Convert into an output. progress is told now and then what is being done."""
+        """Convert into an output. progress is called now and then with the name of the pass."""
         capture, lines = self._survey(progress)
         sensor = self._make_sensor()
         clock = sensor.clock

@@ -3,7 +3,7 @@
 """
 Log times that keep order and spacing while the host's clock is set.
 
-ROS time is the host's wall clock, which somebody may set in the middle of a recording. Players
+ROS time is the host's wall clock, which may be set in the middle of a recording. Players
 and tools go by log times, and would wait for an hour or play everything at once. So a log time is
 ROS time less all steps since the beginning of the recording: it follows a clock that is slewed,
 and goes on evenly over one that is set. Stamps of messages are left as they are.
@@ -68,7 +68,7 @@ class LogClock:
     def _advance(self, ros_ns: int, raw_ns: int | None) -> None:
         last = self._last
         if raw_ns is None or self._raw_ns is None or raw_ns < self._raw_ns:
-            # Nothing tells how much time has passed: as much as before, if ROS time has gone back.
+            # How much time has passed is unknown: as much as before, if ROS time has gone back.
             elapsed = ros_ns - last.ros_ns if ros_ns >= last.ros_ns else self._elapsed
         else:
             elapsed = raw_ns - self._raw_ns

@@ -7,7 +7,7 @@ Inertial and navigation messages have a counter, and time messages tie some of t
 device time. Between two that agree, time is straight. Between two that do not, the device was
 started again, or much was lost, or one of them is wrong: the messages there have no time. So
 messages are held until the next time message, a tenth of a second, and leave in their order. Only
-a whole turn of a counter that is lost right before the first time message cannot be told.
+a whole turn of a counter that is lost right before the first time message goes unnoticed.
 """
 
 from collections import deque

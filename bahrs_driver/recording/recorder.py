@@ -4,8 +4,8 @@
 Listens to the topics of a node, whichever they are, and hands on what comes, serialised.
 
 Two threads: the executor's takes messages and finds topics, and the one that calls drain()
-writes. Log times are those of arrival, and of a `raw` message that of its read, on a clock that
-nobody sets (see `log_clock`).
+writes. Log times are those of arrival, and of a `raw` message that of its read, without
+the steps of the host clock (see `log_clock`).
 """
 
 from collections import deque
@@ -36,8 +36,8 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from std_msgs.msg import UInt8MultiArray
 
 DEPTH = 5000                # messages of a topic that may wait for us
-# From one look for topics to the next, in s: rclpy does not tell when the graph changes. A look
-# takes 20 us.
+# From one look for topics to the next, in s: rclpy does not report that the graph has changed.
+# A look takes 20 us.
 FAST_SEARCH, SLOW_SEARCH = 0.02, 0.2
 SETTLED = 2.0               # s without another topic, after which the slow search begins
 DISCOVERY = 10.0            # s within which a node that is there before us is found

@@ -21,7 +21,7 @@ class SequenceCount:
     """Counts the messages of one topic. Times are log times in ns."""
 
     def __init__(self, shared: Callable[[], bool]) -> None:
-        """Begin without a message; shared() tells whether several publishers send them."""
+        """Begin without a message; shared() returns whether several publishers send them."""
         self.lost = 0                   # between messages that came
         self.missed_again = 0           # of a driver that was started again, before its first
         self.earlier = 0                # before the first message that came

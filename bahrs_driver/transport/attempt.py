@@ -11,7 +11,7 @@ from bahrs_driver.transport.waker import Waker
 
 
 class Closable(Protocol):
-    """What has to be closed if nobody waits for it any more."""
+    """What has to be closed if the wait for it was given up."""
 
     def close(self) -> None:
         """Close it."""

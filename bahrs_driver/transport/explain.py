@@ -4,7 +4,7 @@
 Why a port cannot be used, in one sentence with a remedy.
 
 Explaining looks at the system once more, which may fail in its own way. So everything here is
-behind one guard: an error that cannot be explained is still told.
+behind one guard: an error that cannot be explained is still reported.
 """
 
 from collections.abc import Callable
@@ -150,7 +150,7 @@ def _why_in_use(target: Target) -> str:
                 'the program that made this pseudo-terminal')
     names = ', '.join(map(described, found[:MOST_NAMED]))
     return (f'{target.name} is in use by another program'
-            f'{names and f" ({names})"}: {list_command(target.path)} tells which')
+            f'{names and f" ({names})"}: see {list_command(target.path)}')
 
 
 def _why_no_server(target: Target, error: Exception) -> LinkError:

@@ -22,7 +22,7 @@ class Waker:
         return self._read_end
 
     def wake(self) -> None:
-        """Wake whoever waits, now or later."""
+        """Wake the thread that waits, now or later."""
         with contextlib.suppress(BlockingIOError):      # it was woken very often
             os.write(self._write_end, b'.')
 
