@@ -33,6 +33,15 @@ def _block_device(path):
         os.mkfifo(path)                 # only the superuser may, and not in every container
 
 
+def _link_to(make):
+    """Return what puts a link to what another function makes beside it."""
+    def put(path):
+        aside = path.with_name(f'{path.name}_aside')
+        make(aside)
+        path.symlink_to(aside)
+    return put
+
+
 # What can be at a path, by what puts it there.
 REGULAR = {
     'regular': lambda path: path.write_bytes(PRECIOUS),
@@ -41,6 +50,7 @@ REGULAR = {
 }
 NOT_REGULAR = {
     'directory': _directory,
+    'empty directory': lambda path: path.mkdir(),
     'FIFO': os.mkfifo,
     'socket': _socket,
     'character device': lambda path: path.symlink_to('/dev/full'),
@@ -49,6 +59,8 @@ NOT_REGULAR = {
     'dangling link': lambda path: path.symlink_to(path.parent / 'nowhere'),
     'loop': lambda path: path.symlink_to(path),
 }
+EVERY_KIND = {**REGULAR, **NOT_REGULAR}
+EVERY_KIND |= {f'link to {name}': _link_to(make) for name, make in EVERY_KIND.items()}
 # Paths that cannot be written at all, relative to a directory that has a regular file `file`.
 IMPOSSIBLE = {
     'missing parent': 'missing/target',
@@ -62,15 +74,6 @@ IMPOSSIBLE = {
     'NUL': 'a\0b',
     'lone surrogate': 'a\ud800b',
 }
-
-
-def link_to(make):
-    """Return what puts a link to what another function makes beside it."""
-    def put(path):
-        aside = path.with_name(f'{path.name}_aside')
-        make(aside)
-        path.symlink_to(aside)
-    return put
 
 
 def snapshot(top):

@@ -102,7 +102,8 @@ def _pages(text: str) -> frozenset[int]:
 
 def _image(name: str) -> bytes:
     with opened(name, 'rb') as file:
-        image: bytes = file.read()
+        image: bytes = file.read(SIZE + 1)
     if len(image) != SIZE:
-        raise ValueError(f'{name} has {len(image):,} bytes: an image has {SIZE:,}')
+        size = f'{len(image):,} bytes' if len(image) < SIZE else 'more bytes'
+        raise ValueError(f'{name} has {size}: an image has {SIZE:,}')
     return image

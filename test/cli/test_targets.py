@@ -21,7 +21,8 @@ from hypothesis import given, strategies
 from processes import command, PATIENCE
 import pytest
 from targets import (
-    IMPOSSIBLE, link_to, no_larger_file_than, NOT_REGULAR, REGULAR, snapshot, umask, unprivileged,
+    EVERY_KIND, IMPOSSIBLE, no_larger_file_than, NOT_REGULAR, REGULAR, snapshot, umask,
+    unprivileged,
 )
 
 EMULATE = ('emulate', '--duration', '0.8')
@@ -38,8 +39,6 @@ TO_NEW = {
     'emulate --link': (*EMULATE, '--link'),
 }
 EVERY_VERB = {**TO_FILE, **TO_NEW}
-EVERY_KIND = {**REGULAR, **NOT_REGULAR}
-EVERY_KIND |= {f'link to {name}': link_to(make) for name, make in EVERY_KIND.items()}
 
 
 @pytest.fixture(scope='module')

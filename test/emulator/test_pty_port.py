@@ -14,9 +14,7 @@ from bahrs_driver.emulator.pty_port import PtyPort
 from bahrs_driver.files.guard import WriteError
 from processes import wait_for
 import pytest
-from targets import IMPOSSIBLE, link_to, NOT_REGULAR, REGULAR, snapshot
-
-EVERY_KIND = {**REGULAR, **NOT_REGULAR, 'link to a file': link_to(REGULAR['regular'])}
+from targets import EVERY_KIND, IMPOSSIBLE, snapshot
 
 
 @contextlib.contextmanager

@@ -13,13 +13,8 @@ from bahrs_driver.files.guard import TargetExists, WriteError
 from hypothesis import given, strategies
 import pytest
 from targets import (
-    IMPOSSIBLE, link_to, no_larger_file_than, NOT_REGULAR, PRECIOUS, REGULAR, snapshot, umask,
-    unprivileged,
+    EVERY_KIND, IMPOSSIBLE, no_larger_file_than, PRECIOUS, REGULAR, snapshot, umask, unprivileged,
 )
-
-EVERY_KIND = {**REGULAR, **NOT_REGULAR,
-              **{f'link to {name}': link_to(make)
-                 for name, make in {**REGULAR, **NOT_REGULAR}.items()}}
 
 
 def test_nothing_is_seen_before_the_file_is_complete(tmp_path):

@@ -7,13 +7,7 @@ import stat
 from bahrs_driver.files.guard import WriteError
 from bahrs_driver.files.live_file import LiveFile
 import pytest
-from targets import (
-    IMPOSSIBLE, link_to, no_larger_file_than, NOT_REGULAR, REGULAR, snapshot, umask,
-)
-
-EVERY_KIND = {**REGULAR, **NOT_REGULAR,
-              **{f'link to {name}': link_to(make)
-                 for name, make in {**REGULAR, **NOT_REGULAR}.items()}}
+from targets import EVERY_KIND, IMPOSSIBLE, no_larger_file_than, REGULAR, snapshot, umask
 
 
 def test_others_read_it_meanwhile(tmp_path):

@@ -7,10 +7,7 @@ import stat
 from bahrs_driver.files.guard import TargetExists, WriteError
 from bahrs_driver.files.new_directory import new_directory
 import pytest
-from targets import IMPOSSIBLE, link_to, NOT_REGULAR, REGULAR, snapshot, umask, unprivileged
-
-EVERY_KIND = {**REGULAR, **NOT_REGULAR, 'empty directory': lambda path: path.mkdir()}
-EVERY_KIND |= {f'link to {name}': link_to(make) for name, make in EVERY_KIND.items()}
+from targets import EVERY_KIND, IMPOSSIBLE, snapshot, umask, unprivileged
 
 
 def fill(folder):

@@ -123,6 +123,7 @@ def test_pages_of_the_memory(tmp_path):
     kept, _ = converted(Pieces([*before, last, later], tmp_path))
     ((time, message),) = kept.messages['nvm/page']
     assert message.data.tobytes() == page and time == later.read_at
+    assert message.layout.dim[0].label == 'page=3'
 
 
 def test_diagnostics_tell_of_the_flight(tmp_path):
