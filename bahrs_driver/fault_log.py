@@ -40,8 +40,8 @@ class FaultLog:
             self.last = sentence
             due = self._is_due((activity, type(error).__name__))
         if due:
-            self._write_error(f'{sentence}. This is a fault of bahrs_driver, which goes on: '
-                              'please report it')
+            self._write_error(f'{sentence}. This is a fault of bahrs_driver, which keeps '
+                              'running: please report it')
             self._write_debug(''.join(traceback.format_exception(error)))
 
     def survive(self, activity: str, function: Callable[..., object], *arguments: Any) -> None:

@@ -145,7 +145,7 @@ def _ask() -> None:
     print('The device streams. Reading its memory stops that for some seconds. Go on? [y/N] ',
           end='', file=sys.stderr, flush=True)
     if sys.stdin.readline().strip().lower() not in ('y', 'yes'):
-        raise CommandError('nothing was done')
+        raise CommandError('cancelled: the memory was not read')
 
 
 class Device:

@@ -184,8 +184,9 @@ def _complaints(recorder: Recorder) -> Iterator[str]:
         yield (f'{missed} messages were published before driver and recorder had found each '
                'other: start the driver with -p startup.wait_for_subscribers:=10')
     if recorder.lost:
-        yield f'{recorder.lost} messages were published and did not come: the machine is too busy'
+        yield f'{recorder.lost} messages were lost on the way: the machine is too busy'
     if recorder.dropped:
-        yield f'{recorder.dropped} messages came and were not written: the disk is too slow'
+        yield (f'{recorder.dropped} messages were not written: the disk is too slow, choose '
+               'another, or record with --raw-only')
     yield from recorder.clock_steps
     yield from recorder.notes

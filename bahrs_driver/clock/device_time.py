@@ -23,7 +23,7 @@ class Verdict(Enum):
     """What a time message means."""
 
     KNOWN = 'device time is known, on the same clock'
-    NEW_EPOCH = 'device time is known, and its clock was set anew'
+    NEW_EPOCH = 'device time is known, and its clock has jumped'
     DOUBTED = 'another one must agree with it'
 
 

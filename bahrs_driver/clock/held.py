@@ -38,7 +38,7 @@ class HeldMessages:
     """A queue with a limit on how much of it may wait."""
 
     def __init__(self, most_samples: int) -> None:
-        """Let so many inertial samples wait, and in all twice as many messages."""
+        """Limit the inertial samples that wait; all messages may be twice as many."""
         self._most_samples = most_samples
         self.items: list[Held] = []
 

@@ -97,7 +97,7 @@ class SampleClock:
         self._pulses.reference.tell(ros_ns)
 
     def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
-        """Take the messages which that read completed, and return those whose time is known."""
+        """Stamp the messages that the read completed; return those whose time is known."""
         for message, frame in messages:
             self._take(Held(message, frame, self._bounds.bound(frame.offset)))
         self._update_pulses()
@@ -169,7 +169,7 @@ class SampleClock:
         count = count_of(message.reference_sequence)
         if count is None:
             return
-        lateness = self._lateness(count, time, item.bound)
+        lateness = self._lateness(time, item.bound)
         if was_known and not self._device.agrees(count, time):
             self._give(True)            # what came before it is known, whatever it means
         verdict = self._device.time_message(count, time, lateness)
@@ -191,7 +191,7 @@ class SampleClock:
         time = device.time_of(device.counter.count)
         return device.count_at(bound - tracker.host_time(time) + time)
 
-    def _lateness(self, count: int, time: int, bound: int) -> int | None:
+    def _lateness(self, time: int, bound: int) -> int | None:
         """Return by how much a message was later than believed, if a sample has this time."""
         if not self._tracker.started:
             return None
@@ -205,7 +205,7 @@ class SampleClock:
         self._output.restart()
         # What comes first may have waited in the system while nobody read, and prove nothing.
         if self._epochs > 1 and self._epoch_began - began > SETTLING:
-            self._notices.add("the device's clock was set anew: was it restarted?")
+            self._notices.add("the device's clock has jumped: was the device restarted?")
 
     def _feed_held(self) -> None:
         self._patient = True

@@ -78,7 +78,7 @@ class Page:
         return title.append(f' {clock}', 'bold')
 
     def _state(self) -> tuple[str, str, str]:
-        """Return in a word, a colour and a sentence how things are as a whole."""
+        """Return the overall state as a word, a colour and a sentence."""
         watch = self._watch
         if not watch.heard:
             return 'NO DRIVER', 'red', no_driver_hint(watch)
@@ -161,11 +161,11 @@ class Page:
         return table
 
     def _integrity(self, width: int) -> list[Text]:
-        """Return the lines that tell of each signal what it is worth."""
+        """Return the lines with the integrity of each signal."""
         notice = self._watch.message('integrity')
         if notice is None:
             without = self._watch.heard and not self._watch.offered('integrity')
-            return [Text('this device tells no integrity' if without else 'no integrity heard',
+            return [Text('this device reports no integrity' if without else 'no integrity heard',
                          'dim')]
         stale = self._watch.data_age > DATA_TIMEOUT
         lines = [Text()]

@@ -36,7 +36,7 @@ def test_a_restarted_device(adapter):
     assert max(map(abs, outcome.within(20.3, 21.9))) < 5000
     assert max(map(abs, outcome.within(21.9))) < 500
     assert outcome.state.epochs == 2
-    assert outcome.notices == ["the device's clock was set anew: was it restarted?"]
+    assert outcome.notices == ["the device's clock has jumped: was the device restarted?"]
 
 
 def stepped(raw):
