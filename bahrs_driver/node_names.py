@@ -64,7 +64,7 @@ class NodeChoice:
             self._settled_at is not None and now > self._settled_at
 
     def offer(self, names: Iterable[str], now: float) -> None:
-        """Take the fully qualified names of nodes that run at a time in seconds (monotonic)."""
+        """Consider the nodes that run, by their full names, at a time in seconds (monotonic)."""
         matches = sorted({name for name in names if self.selection.matches(name)})
         if self.selection.exact or not matches:
             return

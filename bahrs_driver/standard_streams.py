@@ -14,7 +14,7 @@ _MODES = {'stdin': 'r', 'stdout': 'w', 'stderr': 'w'}
 
 
 def replace_closed_streams() -> None:
-    """Let streams that are closed be empty, and discard what is written. Call it first of all."""
+    """Open closed streams on /dev/null. Call it before any file is opened."""
     while (descriptor := os.open(os.devnull, os.O_RDWR)) < len(_MODES):
         os.set_inheritable(descriptor, True)
     os.close(descriptor)

@@ -28,7 +28,7 @@ class SubscriberGate:
     """Holds a thread back until publishers have subscribers, a time in seconds at most."""
 
     def __init__(self, limit: float) -> None:
-        """Do not wait at all if the limit is 0."""
+        """Wait for limit seconds at most; not at all if it is 0."""
         self._limit = limit
         self._changed = threading.Condition()
         self._open = not limit

@@ -41,7 +41,7 @@ class OrientationAccuracy:
         self.take(_NONE)
 
     def take(self, message: Accuracy) -> None:
-        """Take an accuracy message."""
+        """Use an accuracy message from now on."""
         self._message, self._age = message, 0
         self._matrices: dict[tuple[float, Worth], Matrix] = {}
 

@@ -3,9 +3,9 @@
 """
 Lasting errors of tasks as lines of the log: one when an error begins, one when it is over.
 
-Who starts the driver watches its console, not /diagnostics. An error is logged once it has lasted
-for LASTING seconds, and is over once there has been none for as long, so that a line at the limit
-does not fill the log.
+The user who starts the driver watches the console, not /diagnostics. An error is logged once it
+has lasted for LASTING seconds, and is over once there has been none for as long, so that a line at
+the limit does not fill the log.
 """
 
 from collections.abc import Callable, Mapping

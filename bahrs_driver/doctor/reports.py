@@ -33,7 +33,7 @@ class Reports:
         return len(self._heard) == len(self._drivers)
 
     def add(self, data: bytes) -> None:
-        """Take a message, as it came."""
+        """Keep the statuses in a serialised message."""
         try:
             array = deserialize_message(data, DiagnosticArray)
         except Exception:       # what rmw and rosidl raise for bytes that are no such message

@@ -53,7 +53,7 @@ class Health:
         return time.monotonic() - self._heard_at
 
     def update(self, array: DiagnosticArray) -> None:
-        """Take what a message says about the driver."""
+        """Keep what a message says about the driver."""
         nodes: dict[str, dict[str, DiagnosticStatus]] = {}
         for status in array.status:
             node, task = parse_status_name(status.name)

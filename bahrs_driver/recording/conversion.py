@@ -165,7 +165,7 @@ class Conversion:
 
 def _play(capture: Capture, sensor: Sensor, clock: Clock, log_clock: LogClock
           ) -> Iterator[Played]:
-    """Do as the receiver does; yield each chunk with what it completes."""
+    """Stamp a capture as the receiver would; yield each chunk with what it completes."""
     framer, codec = sensor.framer, sensor.codec
     last: Chunk | None = None
     moment = Moment(0, 0, 0)

@@ -41,7 +41,7 @@ class Damage:
 
     @contextlib.contextmanager
     def ending(self) -> Iterator[None]:
-        """Take anything that is raised as the end of the file; what came before it counts."""
+        """Treat any exception as the end of the file; what came before it counts."""
         try:
             yield
         except CaptureError:

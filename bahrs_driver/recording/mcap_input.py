@@ -63,7 +63,7 @@ class _Channels:
         self._searched = False
 
     def define(self, kind: int, content: bytes) -> None:
-        """Take a schema or a channel."""
+        """Remember a schema or a channel."""
         reader = ReadDataStream(io.BytesIO(content))
         with self._damage.leaving_out('definition'):
             if kind == Opcode.CHANNEL:

@@ -66,13 +66,13 @@ class CounterTimes:
         return self._latest.count if ahead else NONE    # the same again, or a whole turn later
 
     def forget(self) -> None:
-        """Take that the device has no time at present: what came by now has none."""
+        """Forget the device time: the messages up to now have none."""
         self._stretches.append(Stretch(self._latest.count, None, 0.0))
         self._last, self._connected, self._slope = None, False, self._period
         self._first, self._end = self._latest.count + 1, LAST
 
     def anchor(self, reference: int, time: int) -> None:
-        """Take a device time in us, and the counter of the message that it is about."""
+        """Tie a device time in us to the message that it is about, by its counter."""
         if self._latest.count < 0:
             return
         named = self._latest.nearest(reference)
@@ -110,7 +110,7 @@ class CounterTimes:
         self._stretches.append(Stretch(self._end - 1, anchor, self._slope or 0.0))
 
     def _jumped(self, count: int) -> None:
-        """Take that messages were lost before one, or that their counter began again."""
+        """Note a gap before a message: some were lost, or their counter began again."""
         if self._last is None:
             self._first = count
         else:

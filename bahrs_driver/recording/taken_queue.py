@@ -30,7 +30,7 @@ class TakenQueue:
         self._bytes = 0
 
     def put(self, item: Taken) -> None:
-        """Take a message, or count it as dropped."""
+        """Append a message, or count it as dropped."""
         size = len(item.data) + OVERHEAD
         with self._lock:
             if self._bytes + size > self._most_bytes:

@@ -35,7 +35,7 @@ def density(values: Array, period: float) -> tuple[Array, Array]:
 
 
 def lines(values: Array, period: float) -> Lines:
-    """Look for what vibrates."""
+    """Find the strongest line, and whether there is one at half the sample rate."""
     frequency, found = density(values, period)
     inside = frequency > LOWEST_LINE
     limit = LINE * np.median(found[inside])

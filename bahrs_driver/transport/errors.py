@@ -7,6 +7,6 @@ class LinkError(Exception):
     """The port cannot be used now. The text says why, and what can be done about it."""
 
     def __init__(self, reason: str, absent: bool = False) -> None:
-        """Take the sentence, and whether the reason is that there is no such port."""
+        """Set the sentence, and whether the reason is that there is no such port."""
         super().__init__(reason)
         self.absent = absent
