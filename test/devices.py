@@ -21,7 +21,26 @@ SAFE = (Integrity.SAFE,) * 6
 DEEP = {f'qos_overrides./{topic}.publisher.depth': 5000 for topic in (*TOPICS, 'raw')}
 
 
-class Device(threading.Thread):
+class StoppableThread(threading.Thread):
+    """A thread that runs as long as its context; run() ends once _ended is set."""
+
+    def __init__(self):
+        """Make it, to be started."""
+        super().__init__(daemon=True)
+        self._ended = threading.Event()
+
+    def __enter__(self):
+        """Start."""
+        self.start()
+        return self
+
+    def __exit__(self, *_):
+        """Stop."""
+        self._ended.set()
+        self.join()
+
+
+class Device(StoppableThread):
     """Sends an endless stream of frames, 200 inertial ones a second, until it is stopped."""
 
     def __init__(self, port, version=3, health=None, change=None):
@@ -31,12 +50,11 @@ class Device(threading.Thread):
         health gives the health of inertial and navigation message number so-and-so; change may
         alter the bytes of each frame, or return none.
         """
-        super().__init__(daemon=True)
+        super().__init__()
         self.inertial, self.navigation = [], []
         self._port, self._version = port, version
         self._health = health or (lambda index: (SAFE, SAFE[:5]))
         self._change = change or (lambda data, index: data)
-        self._ended = threading.Event()
 
     def run(self):
         """Send until stopped, at the rates and in the order of the real device."""
@@ -69,16 +87,6 @@ class Device(threading.Thread):
             yield SyncPulseTime(index // 20 % 256, 5000 * index)
             yield Accuracy(index // 20 % 256, 0.01, 0.02, 0.03, 5000 * index)
             yield NavigationTime(index // 20 % 256, (index // 2 + 1) % 256, 5000 * index)
-
-    def __enter__(self):
-        """Start."""
-        self.start()
-        return self
-
-    def __exit__(self, *_):
-        """Stop."""
-        self._ended.set()
-        self.join()
 
 
 def known(ear):

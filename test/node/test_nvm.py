@@ -10,7 +10,6 @@ from pathlib import Path
 import pty
 import signal
 import subprocess
-import threading
 import time
 
 from bahrs_driver.convert.bahrs import TOPICS
@@ -18,7 +17,7 @@ from bahrs_driver.emulator.bahrs_diagnostics import DiagnosticsMode, ServiceHabi
 from bahrs_driver.protocol.bahrs import Acknowledgement, EnterDiagnostics
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.framing import Framer
-from devices import Device, DIAGNOSTICS, known, says, status
+from devices import Device, DIAGNOSTICS, known, says, status, StoppableThread
 from diagnostic_msgs.msg import DiagnosticStatus
 from processes import command, driver, listening, PATIENCE, running, wait_for
 import pytest
@@ -326,14 +325,13 @@ def test_command_line(emulator, tmp_path):
     assert dump.stdout == IMAGE and b'8,000 bytes' in dump.stderr
 
 
-class Silent(threading.Thread):
+class Silent(StoppableThread):
     """A device on a cable that does not stream, answers slowly, and never leaves by itself."""
 
     def __init__(self, cable):
         """Make it, to be started."""
-        super().__init__(daemon=True)
+        super().__init__()
         self._cable, self._mode = cable, DiagnosticsMode(ServiceHabits(image=IMAGE, timeout=3600))
-        self._ended = threading.Event()
 
     @property
     def active(self):
@@ -346,16 +344,6 @@ class Silent(threading.Thread):
         while not self._ended.wait(0.02):
             for answer in self._mode.receive(self._cable.read(0.02), time.monotonic()):
                 self._cable.write(codec.encode(answer, 3))
-
-    def __enter__(self):
-        """Start."""
-        self.start()
-        return self
-
-    def __exit__(self, *_):
-        """End."""
-        self._ended.set()
-        self.join()
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])

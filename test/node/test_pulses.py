@@ -3,13 +3,12 @@
 """Sync pulses through the node and the emulator as processes, and somebody who tells of them."""
 
 import math
-import threading
 import time
 from types import SimpleNamespace
 
 from bahrs_driver.clock.pulses import PulseReference
 from bahrs_driver.node import DriverNode
-from devices import DIAGNOSTICS, status
+from devices import DIAGNOSTICS, status, StoppableThread
 from hypothesis import given, strategies as st
 from processes import driver, listening, running, wait_for
 import pytest
@@ -20,15 +19,14 @@ SECOND = 10 ** 9
 TOLD_EARLY = 4_000_000      # ns, so that it can be seen whose word was taken
 
 
-class Teller(threading.Thread):
+class Teller(StoppableThread):
     """Says after each whole second that a pulse came at it, less TOLD_EARLY."""
 
     def __init__(self, node, reliability):
         """Publish from a node."""
-        super().__init__(daemon=True)
+        super().__init__()
         self._publisher = node.create_publisher(
             TimeReference, 'pulses', QoSProfile(depth=10, reliability=reliability))
-        self._ended = threading.Event()
 
     def run(self):
         """Tell until the end."""
@@ -40,16 +38,6 @@ class Teller(threading.Thread):
                 message.header.stamp.sec, message.header.stamp.nanosec = divmod(
                     told * SECOND - TOLD_EARLY, SECOND)
                 self._publisher.publish(message)
-
-    def __enter__(self):
-        """Start."""
-        self.start()
-        return self
-
-    def __exit__(self, *_):
-        """Stop."""
-        self._ended.set()
-        self.join()
 
 
 @given(seconds=st.integers(-2 ** 31, 2 ** 31 - 1), nanoseconds=st.integers(0, 2 ** 32 - 1))
