@@ -21,7 +21,7 @@ def new_directory(target: PathLike) -> Iterator[Path]:
     If the block raises, nothing remains. WriteError if the target exists, before or after, or
     cannot be made. Parent directories are created when missing.
     """
-    parent, name = split_target(str(target).rstrip(os.sep) or os.sep)
+    parent, name = split_target(str(target).rstrip(os.sep) or str(target))
     scratch = Path(parent, temporary_name())
     with guard(target, 'make'):
         with contextlib.suppress(FileNotFoundError):

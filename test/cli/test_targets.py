@@ -95,6 +95,11 @@ def test_whatever_is_at_the_target_stays(flight, capsys, tmp_path, verb, kind):
         assert snapshot(tmp_path) == before
 
 
+def test_a_directory_without_a_name(flight, capsys):
+    """It is not taken for the root directory."""
+    assert 'without a name' in refused(flight, capsys, 'convert', 'FLIGHT', '')
+
+
 @pytest.mark.parametrize('verb', EVERY_VERB)
 @pytest.mark.parametrize('kind', IMPOSSIBLE)
 def test_paths_that_cannot_be_written(flight, capsys, tmp_path, verb, kind, monkeypatch):
@@ -129,6 +134,7 @@ def test_no_room(flight, capsys, tmp_path, verb):
         sentence = refused(flight, capsys, *EVERY_VERB[verb], tmp_path / 'target')
     assert f'cannot write {tmp_path}/target' in sentence
     assert 'File too large: choose another directory' in sentence
+    assert '.partial' not in sentence and 'all that came before' not in sentence
     assert set(os.listdir(tmp_path)) <= ({'target'} if verb == 'emulate --truth' else set())
 
 
