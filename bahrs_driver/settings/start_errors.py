@@ -9,6 +9,7 @@ from bahrs_driver.parameter import ParameterError
 from bahrs_driver.printable import printable
 from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.parameter_files import problem
+from rclpy._rclpy_pybind11 import UnknownROSArgsError
 from rclpy.exceptions import ParameterException
 
 # Every sentence of rcl ends in places of its source; one about an argument quotes it.
@@ -28,6 +29,15 @@ _REMEDIES = {
     'log level': 'write --log-level debug, info, warn, error or fatal',
 }
 
+# Of remapping the name of a node and its namespace, where rcl speaks of the lexemes that it found.
+_NODE_NAME = 'a node name has letters, digits and underscores, and no digit first'
+_NAMES = {
+    '__node': _NODE_NAME,
+    '__name': _NODE_NAME,
+    '__ns': 'a namespace begins with a slash, such as /left, and has letters, digits and '
+            'underscores',
+}
+
 
 def explain(error: Exception, words: Sequence[str]) -> str:
     """Return why the node did not start with the words of a command line, and a remedy."""
@@ -36,6 +46,9 @@ def explain(error: Exception, words: Sequence[str]) -> str:
     for word in words:
         if not _is_utf8(word):
             return f'the argument {printable(word)} is not valid UTF-8: write it in UTF-8'
+    if isinstance(error, UnknownROSArgsError):
+        return (f"{printable(str(error).strip('[]'))} is not understood after --ros-args: put "
+                'quotes around a value that holds a blank')
     if isinstance(error, ParameterException):
         # Of those of rclpy itself, which are declared before any of ours.
         name = re.search(r"parameter '(\w+)'", str(error))
@@ -55,8 +68,13 @@ def _plain(error: Exception) -> str:
         shown = printable(text.rpartition('ROS arguments: ')[2] or type(error).__name__)
         remedies = (remedy for cause, remedy in _ENVIRONMENT if cause in text)
         return '; '.join([shown, *remedies])
+    argument = printable(about['argument'])
+    for target, rule in _NAMES.items():
+        if about['what'] == 'remap rule' and f'{target}:=' in argument:
+            return f'{argument} cannot be used: {rule}'
     remedy = _REMEDIES.get(about['what'], 'see "ros2 run --help"')
-    return f"{printable(about['argument'])} cannot be used: {printable(about['why'])}: {remedy}"
+    why = '' if 'lexeme' in about['why'] else f": {printable(about['why'])}"
+    return f'{argument} cannot be used{why}: {remedy}'
 
 
 def without_places(error: Exception) -> str:
