@@ -51,7 +51,7 @@ def command_errors() -> Iterator[None]:
     try:
         yield
     except TargetExists as error:
-        raise CommandError(f'{error}: choose another name, or replace it with --force') from error
+        raise CommandError(f'{error}, or replace it with --force') from error
     except WriteError as error:
         raise CommandError(str(error)) from error
 

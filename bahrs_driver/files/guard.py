@@ -37,7 +37,7 @@ class TargetExists(WriteError):
 
     def __init__(self, target: PathLike) -> None:
         """Compose the sentence."""
-        super().__init__(f'{printable(target)} exists already')
+        super().__init__(f'{printable(target)} exists already: choose another name')
 
 
 @contextlib.contextmanager
@@ -71,23 +71,23 @@ def check_target(name: str, shown: PathLike, replace: bool, directory: int | Non
 
 
 def split_target(path: PathLike) -> tuple[str, str]:
-    """
-    Return the directory and the name of a target; WriteError if there can be no file.
-
-    A new file among the devices would take the name of one that is unplugged.
-    """
+    """Return the directory and the name of a target; WriteError if it can be none."""
     parent, name = os.path.split(os.fspath(path))
     if name in ('', os.curdir, os.pardir):
         raise WriteError(f'cannot write {printable(path)}: it is a directory: name a file in it'
                          if parent or name else 'cannot write a file without a name')
-    parent = parent or os.curdir
+    refuse_new_device(path)
+    return parent or os.curdir, name
+
+
+def refuse_new_device(path: PathLike) -> None:
+    """Raise WriteError for a new name in /dev, which may be that of a device to be plugged in."""
     with guard(path):
-        where = os.path.join(os.path.realpath(parent), '')
-    among_devices = where.startswith('/dev/') and not where.startswith(SHARED_MEMORY)
-    if among_devices and not os.path.lexists(path):
-        raise WriteError(f'cannot write {printable(path)}: /dev is for devices: name a file '
-                         'elsewhere')
-    return parent, name
+        where = os.path.join(os.path.realpath(os.path.dirname(path)), '')
+        if where.startswith('/dev/') and not where.startswith(SHARED_MEMORY) \
+                and not os.path.lexists(path):
+            raise WriteError(f'cannot write {printable(path)}: /dev is for devices, choose a '
+                             'directory elsewhere')
 
 
 def named_target(path: PathLike) -> tuple[str, str]:

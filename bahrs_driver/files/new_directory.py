@@ -23,18 +23,36 @@ def new_directory(target: PathLike) -> Iterator[Path]:
     """
     parent, name = split_target(str(target).rstrip(os.sep) or str(target))
     scratch = Path(parent, temporary_name())
-    with guard(target, 'make'):
-        with contextlib.suppress(FileNotFoundError):
-            os.lstat(target)
-            raise TargetExists(target)
-        os.makedirs(parent, exist_ok=True)
-        scratch.mkdir()
-    try:
-        yield scratch / name
+    with contextlib.ExitStack() as on_failure:
         with guard(target, 'make'):
-            _move(scratch / name, target)
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
+            with contextlib.suppress(FileNotFoundError):
+                os.lstat(target)
+                raise TargetExists(target)
+            for missing in _missing(parent):
+                os.mkdir(missing)
+                on_failure.callback(_remove_empty, missing)
+            scratch.mkdir()
+        try:
+            yield scratch / name
+            with guard(target, 'make'):
+                _move(scratch / name, target)
+        finally:
+            shutil.rmtree(scratch, ignore_errors=True)
+        on_failure.pop_all()
+
+
+def _missing(parent: str) -> list[str]:
+    """Return the directories on the way to a directory, itself included, that do not exist."""
+    missing = []
+    while parent and not os.path.lexists(parent):
+        missing.append(parent)
+        parent = os.path.dirname(parent)
+    return missing[::-1]
+
+
+def _remove_empty(directory: str) -> None:
+    with contextlib.suppress(OSError):      # others have put something there
+        os.rmdir(directory)
 
 
 def _move(made: Path, target: PathLike) -> None:
@@ -46,6 +64,5 @@ def _move(made: Path, target: PathLike) -> None:
     try:
         os.rename(made, target)
     except BaseException:
-        with contextlib.suppress(OSError):
-            os.rmdir(target)
+        _remove_empty(os.fspath(target))
         raise

@@ -14,6 +14,7 @@ import contextlib
 from pathlib import Path
 from types import TracebackType
 
+from bahrs_driver.files.guard import refuse_new_device
 from bahrs_driver.printable import printable
 from bahrs_driver.recording.errors import CaptureError, guard_writing
 from bahrs_driver.recording.metadata import as_yaml, Span, write_metadata
@@ -179,6 +180,7 @@ def _file_name(folder_name: str) -> str:
 def make_directory(folder: Path) -> None:
     """Make a directory with its parents; CaptureError if it exists or cannot be made."""
     with guard_writing(folder, 'make'):
+        refuse_new_device(folder)
         try:
             folder.mkdir(parents=True)
         except FileExistsError as error:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of where verbs may write: every verb, every kind of target, and what it leaves."""
 
+import contextlib
 import os
 from pathlib import Path
 import stat
@@ -17,7 +18,7 @@ from bahrs_driver.emulator.bahrs_diagnostics import DiagnosticsMode, ServiceHabi
 from bahrs_driver.emulator.pty_port import PtyPort
 from bahrs_driver.protocol.bahrs_frames import BahrsCodec
 from emulated import emissions, make_device
-from hypothesis import given, strategies
+from hypothesis import given, settings, strategies
 from processes import command, PATIENCE
 import pytest
 from targets import (
@@ -222,36 +223,63 @@ def test_no_file_among_the_devices(flight, capsys, verb):
     """The superuser could make one, which would take the name of a device that is unplugged."""
     sentence = refused(flight, capsys, *EVERY_VERB[verb], '/dev/bahrs_unplugged')
     assert not os.path.lexists('/dev/bahrs_unplugged')
-    assert sentence.endswith(': /dev is for devices: name a file elsewhere')
+    assert sentence.endswith(': /dev is for devices, choose a directory elsewhere')
 
 
-TEXT = strategies.text(strategies.characters(codec=None), max_size=20)
+TEXT = strategies.text(strategies.characters(codec=None, exclude_characters='/'), max_size=20)
 PIECES = strategies.sampled_from([
-    '..', '.', '~', '-', '/dev/full', '/proc', '/sys', 'FIFO', 'socket', 'out', 'kept', '\x1b[2J',
-    '\udcff', '\ud800', '\n', ' ', 'x' * 255, 'ü', '%s', '[red]', '{}'])
+    '..', '.', '~', '-', 'FIFO', 'socket', 'out', 'kept', '\x1b[2J', '\udcff', '\ud800', '\n', ' ',
+    'x' * 255, 'ü', '%s', '[red]', '{}'])
+# Where nothing can be made, whoever tries.
+NOWHERE = strategies.sampled_from(['/dev/full', '/dev/full/bahrs', '/proc/bahrs', '/proc/self/mem'])
+# Relative, and never higher than `playground` is deep: nothing is made elsewhere on the machine.
+NAMES = NOWHERE | strategies.lists(PIECES | TEXT, min_size=1, max_size=4).map(
+    lambda parts: '/'.join(['.', *parts]))
 
 
-@given(strategies.sampled_from(sorted(TO_FILE)), strategies.booleans(),
-       strategies.lists(PIECES | TEXT, min_size=1, max_size=4))
-def test_any_name_gives_a_file_or_one_sentence(flight, verb, force, parts):
-    """Whatever the name is made of, nothing else is touched, and no exception gets out."""
+@contextlib.contextmanager
+def playground():
+    """Give a directory with things that must stay, and go into one of its own in it."""
     with tempfile.TemporaryDirectory() as top:
-        inner = Path(top, 'inner')
-        inner.mkdir()
+        inner, here = Path(top, 'a', 'b', 'c', 'd', 'e'), os.getcwd()
+        inner.mkdir(parents=True)
         os.mkfifo(inner / 'FIFO')
         NOT_REGULAR['socket'](inner / 'socket')
         (inner / 'kept').write_bytes(b'precious')
-        before, here = snapshot(top), os.getcwd()
         os.chdir(inner)
         try:
-            words = [flight if word == 'FLIGHT' else word for word in TO_FILE[verb]]
-            status = main([*words[:-1], f'{words[-1]}={"/".join(parts)}',
-                           *(['--force'] if force else [])])
+            yield top
         finally:
             os.chdir(here)
+
+
+def words_of(flight, verb, name):
+    """Return a verb with the name of its target."""
+    *words, last = (flight if word == 'FLIGHT' else word for word in EVERY_VERB[verb])
+    return [*words, f'{last}={name}'] if last.startswith('--') else [*words, last, '--', name]
+
+
+@given(strategies.sampled_from(sorted(TO_FILE)), strategies.booleans(), NAMES)
+def test_any_name_gives_a_file_or_one_sentence(flight, verb, force, name):
+    """Whatever the name is made of, nothing else is touched, and no exception gets out."""
+    with playground() as top:
+        before = snapshot(top)
+        status = main(words_of(flight, verb, name) + (['--force'] if force else []))
         after = snapshot(top)
         changed = {name: item for name, item in after.items() if before.get(name) != item}
         assert set(before) <= set(after)
         assert all(stat.S_ISREG(mode) for mode, _ in changed.values())
         assert len(changed) <= (status == 0), changed
         assert force or not set(changed) & set(before)
+
+
+@settings(max_examples=60)
+@given(strategies.sampled_from(sorted(TO_NEW)), NAMES)
+def test_any_name_gives_something_new_or_one_sentence(flight, verb, name):
+    """A directory or a link: what was there before is as it was, and a failure leaves nothing."""
+    with playground() as top:
+        before = snapshot(top)
+        status = main(words_of(flight, verb, name))
+        after = snapshot(top)
+        assert before.items() <= after.items()
+        assert status == 0 or after == before

@@ -35,10 +35,15 @@ def test_nothing_remains_of_a_block_that_raises(tmp_path):
     (tmp_path / '.out.partial' / 'kept').touch()
     before = snapshot(tmp_path)
     for error in (ValueError, KeyboardInterrupt):
-        with pytest.raises(error), new_directory(tmp_path / 'out') as folder:
-            fill(folder)
-            raise error
+        for name in ('out', 'missing/parents/out'):
+            with pytest.raises(error), new_directory(tmp_path / name) as folder:
+                fill(folder)
+                raise error
     assert snapshot(tmp_path) == before
+    with pytest.raises(ValueError), new_directory(tmp_path / 'missing' / 'parents' / 'out'):
+        (tmp_path / 'missing' / 'others').touch()
+        raise ValueError
+    assert set(snapshot(tmp_path)) == {*before, b'missing', b'missing/others'}
 
 
 @pytest.mark.parametrize('kind', EVERY_KIND)

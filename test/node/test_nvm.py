@@ -210,10 +210,11 @@ def test_parameters_are_read_at_each_call(emulator, tmp_path):
         assert services.ask('read_page')[0]
 
 
-def test_a_device_that_agrees_and_goes_on_streaming(cable):
+def test_a_device_that_agrees_and_goes_on_streaming(cable, tmp_path):
     """The service answers, and the node goes on and ends as ever."""
     codec, framer = BahrsCodec(), Framer(BahrsFormat())
-    with listening(HEARD) as ear, driver(cable.path) as node, Device(cable):
+    with listening(HEARD) as ear, driver(cable.path, nvm__directory=tmp_path) as node, \
+            Device(cable):
         services = Services(ear)
         ear.wait('imu/data', 10)
         answer = services.start('nvm/dump')

@@ -192,5 +192,7 @@ def test_a_bag_is_not_written_over(tmp_path):
     """Nor is anything else."""
     with pytest.raises(CaptureError, match='exists already'):
         BagWriter(tmp_path)
-    with pytest.raises(CaptureError, match='cannot make'):
-        BagWriter(Path('/proc/bag'))
+    for place in ('/proc/bag', '/dev/bahrs_unplugged'):
+        with pytest.raises(CaptureError, match=f'cannot (make|write) {place}'):
+            BagWriter(Path(place))
+        assert not os.path.lexists(place)
