@@ -45,11 +45,12 @@ class LinkTask:
         return Verdict(ERROR, sharing) if sharing else Verdict(OK, f'{port} is open')
 
     def _what_else(self, now: float) -> str:
-        """Return what else is known of a silent port."""
+        """Return what else is known of a silent port, after the end of the hint."""
+        stop = '' if self._silence_hint.endswith(('?', '.')) else '.'
         if self._link.is_network:
-            return ' The connection to the serial server is up.'
+            return f'{stop} The connection to the serial server is up.'
         names = self._sharing.names(now)
-        return names and f' Another program has it open, too ({names}).'
+        return names and f'{stop} Another program has it open, too ({names}).'
 
     def check_sharing(self, now: float) -> None:
         """Look for other programs that read the port, which takes a while; call it at 1 Hz."""

@@ -52,12 +52,13 @@ def test_a_silent_port_is_an_error_that_says_what_to_look_at(last_data):
     assert message == '/dev/ttyUSB0 is open but silent: is the device powered?'
 
 
-def test_a_silent_server_is_not_the_connection():
-    """Keep-alive would have noticed."""
+@pytest.mark.parametrize('hint, end', [(HINT, '?'), ('Look', '.'), ('Look.', '')])
+def test_a_silent_server_is_not_the_connection(hint, end):
+    """Keep-alive would have noticed; the hint of the sensor ends before this is said."""
     link = SimpleNamespace(name='socket://h:1', path='', is_network=True, stolen=0)
-    task = LinkTask(link, LinkCounters(open_since=1.0), 1.0, HINT, int)
+    task = LinkTask(link, LinkCounters(open_since=1.0), 1.0, hint, int)
     assert task.judge(100.0).message.endswith(
-        'powered? The connection to the serial server is up.')
+        f"{hint.rstrip('?')}{end} The connection to the serial server is up.")
 
 
 def test_a_port_just_opened_is_not_yet_silent():
