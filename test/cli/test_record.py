@@ -189,7 +189,7 @@ def test_a_driver_that_is_started_later(tmp_path):
     bag = tmp_path / 'bag'
     with PtyPort() as port, Device(port), running(
             'bahrs', 'record', '-o', str(bag)) as recorder:
-        assert wait_for(lambda: 'there is no node' in recorder.text, LONG)
+        assert wait_for(lambda: 'there is no driver' in recorder.text, LONG)
         with driver(port.path, **DEEP):
             assert wait_for(lambda: size(bag) > 60_000, LONG)
             assert recorder.end() == 0
