@@ -231,7 +231,8 @@ PIECES = strategies.sampled_from([
     '..', '.', '~', '-', 'FIFO', 'socket', 'out', 'kept', '\x1b[2J', '\udcff', '\ud800', '\n', ' ',
     'x' * 255, 'ü', '%s', '[red]', '{}'])
 # Where nothing can be made, whoever tries.
-NOWHERE = strategies.sampled_from(['/dev/full', '/dev/full/bahrs', '/proc/bahrs', '/proc/self/mem'])
+NOWHERE = strategies.sampled_from(
+    ['/dev/full', '/dev/full/bahrs', '/proc/bahrs', '/proc/self/mem'])
 # Relative, and never higher than `playground` is deep: nothing is made elsewhere on the machine.
 NAMES = NOWHERE | strategies.lists(PIECES | TEXT, min_size=1, max_size=4).map(
     lambda parts: '/'.join(['.', *parts]))
