@@ -228,8 +228,8 @@ def test_no_file_among_the_devices(flight, capsys, verb):
 
 TEXT = strategies.text(strategies.characters(codec=None, exclude_characters='/'), max_size=20)
 PIECES = strategies.sampled_from([
-    '..', '.', '~', '-', 'FIFO', 'socket', 'out', 'kept', '\x1b[2J', '\udcff', '\ud800', '\n', ' ',
-    'x' * 255, 'ü', '%s', '[red]', '{}'])
+    '..', '.', '~', '-', 'FIFO', 'socket', 'out', 'kept', '\x1b[2J', '\udcff', '\ud800', '\n',
+    ' ', 'x' * 255, 'ü', '%s', '[red]', '{}'])
 # Where nothing can be made, whoever tries.
 NOWHERE = strategies.sampled_from(
     ['/dev/full', '/dev/full/bahrs', '/proc/bahrs', '/proc/self/mem'])
