@@ -15,7 +15,8 @@ from bahrs_driver.clock.units import MILLISECOND, NANOSECONDS
 
 MODULUS = 256
 PERIOD = 5 * MILLISECOND        # nominal, from one inertial sample to the next
-LONGEST_SILENCE = 6 * NANOSECONDS // 10     # about half a turn of the counter
+LONGEST_SILENCE = 4 * NANOSECONDS // 10     # less than a device takes to start
+FAR = 20                        # samples; if more are missing, so is a time message
 SLACK = NANOSECONDS // 10       # what a bound may be late by
 DOUBTS = 3                      # counters in a row that make no sense
 
@@ -67,6 +68,11 @@ class SampleCounter:
         ahead = (sequence - self._sequence) % MODULUS
         return latest is not None and self._trusted + ahead + MODULUS <= latest
 
+    def far(self, sequence: int, bound: int, latest: int | None) -> bool:
+        """Whether so many samples are missing that it may be another counter that goes on."""
+        ahead = (sequence - self._sequence) % MODULUS
+        return self.started and ahead > FAR and self._trusted + ahead <= self._limit(bound, latest)
+
     def follow(self, sequence: int, bound: int) -> bool:
         """Take the next frame if it follows on the latest, as nearly all do; return whether."""
         if self._doubts or sequence != (self._sequence + 1) % MODULUS or self._sequence < 0:
@@ -85,8 +91,7 @@ class SampleCounter:
         bound is the host's time that it was not sent after, latest the highest count that it can
         have by what is known of the device's time.
         """
-        if latest is None:
-            latest = self._trusted + (bound - self._trusted_bound + SLACK) // PERIOD + 1
+        latest = self._limit(bound, latest)
         self._bound = bound
         ahead = (sequence - self._sequence) % MODULUS
         if not self.started:
@@ -116,6 +121,12 @@ class SampleCounter:
     def lost(self) -> bool:
         """Whether the counter has made no sense for too long."""
         return self._doubts >= DOUBTS
+
+    def _limit(self, bound: int, latest: int | None) -> int:
+        """Return the highest count that a frame can have; latest is that if it is known."""
+        if latest is not None:
+            return latest
+        return self._trusted + (bound - self._trusted_bound + SLACK) // PERIOD + 1
 
     def _trust(self, sequence: int, count: int, bound: int) -> None:
         self._before = self._sequence, self._trusted

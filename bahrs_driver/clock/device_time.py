@@ -67,6 +67,11 @@ class DeviceTime:
         self.adrift = True
         self._lose()
 
+    def forget(self) -> None:
+        """Forget also device time: the device was switched on, and its clock begins again."""
+        self._timeline = None
+        self.cut_adrift()
+
     def find(self, sequence: int, bound: int) -> None:
         """End being adrift: go on as if the sample before that with this counter had come."""
         self.counter.expect(sequence, bound)
@@ -109,14 +114,16 @@ class DeviceTime:
         message is right; None if no clock is believed yet.
         """
         timeline, candidate = self._timeline, self._candidate
-        fits = lateness is not None and EARLIEST <= lateness <= LATEST
+        # Device time goes back when it is set anew only, by however little.
+        fits = timeline is not None and time > timeline.latest[1] and (
+            lateness is not None and EARLIEST <= lateness <= LATEST)
         if timeline and timeline.agrees(count, time):      # also if turns might have been lost
             timeline.accept(count, time)
         elif timeline and self._lost and fits:
             timeline.move(count, time)
         elif candidate and candidate.agrees(count, time) and not self._repeats(candidate, time):
             candidate.accept(count, time)
-            return self._adopt(candidate, fits and timeline is not None)
+            return self._adopt(candidate, fits)
         else:
             return self._doubt(count, time)
         return self._know()

@@ -20,7 +20,7 @@ LATE_KINDS = 2          # messages of all kinds for each sample that may be held
 class Held:
     """A message on its way to a stamp."""
 
-    __slots__ = ('bound', 'count', 'device', 'frame', 'message', 'near', 'timed', 'unfed')
+    __slots__ = ('bound', 'count', 'device', 'early', 'frame', 'message', 'near', 'timed', 'unfed')
 
     def __init__(self, message: Any, frame: Frame, bound: int) -> None:
         """Hold a message; bound is the raw time that it was not sent after."""
@@ -30,6 +30,7 @@ class Held:
         self.timed = False                          # whether it has a time
         self.count: int | None = None               # of the sample that it is
         self.near: CountedSequence | None = None    # the sample before a navigation message
+        self.early = False                          # that one was not received
         self.device: int | None = None              # the device time that it carries, in ns
         self.unfed = False                          # a sample that the tracker did not get yet
 

@@ -17,10 +17,10 @@ VOTES = 9
 class LabelReading:
     """Tells how much further a time message's counter is than the sample that it is about."""
 
-    def __init__(self, label: Label = 'auto') -> None:
-        """Force a reading, or detect it."""
+    def __init__(self, label: Label = 'auto', votes: int = VOTES) -> None:
+        """Force a reading, or detect it by the majority of the latest votes."""
         self._forced = label
-        self._votes: deque[int] = deque(maxlen=VOTES)
+        self._votes: deque[int] = deque(maxlen=votes)
 
     def vote(self, ahead: int) -> None:
         """Take how many samples ahead of the latest one a time message named."""

@@ -3,9 +3,10 @@
 """
 Which inertial sample a navigation message is of the same time as.
 
-`inertial - 2 * navigation` (modulo 256) is constant for as long as the device runs. Each pair of
-neighbours gives it, but one of a pair may be lost. At first the most frequent value of the last
-few pairs counts; once five in a row have agreed, only another five in a row change it.
+`inertial - 2 * navigation` (modulo 256) is constant for as long as the device runs: 0, as both
+counters begin at 0. Each pair of neighbours tells it, but one of a pair may be lost. At first the
+most frequent value of the last few pairs counts, with 0 as if two pairs had told it; once five in a
+row have agreed, only another five in a row change it.
 """
 
 from collections import deque
@@ -14,6 +15,8 @@ from bahrs_driver.clock.counter import CountedSequence, MODULUS
 
 PER_NAVIGATION = 2
 WITNESSES = 5
+PRIOR = 2               # pairs that 0 is worth at first
+NEARBY = 4 * PER_NAVIGATION     # samples that may be lost before it is certain
 
 
 class NavigationCounter:
@@ -21,9 +24,8 @@ class NavigationCounter:
 
     def __init__(self) -> None:
         """Start without a pair."""
-        self._difference: int | None = None
-        self._recent: deque[int] = deque(maxlen=WITNESSES)
-        self._certain = False
+        self._difference, self._certain = 0, False
+        self._recent: deque[int] = deque([0] * PRIOR, maxlen=WITNESSES)
 
     def pair(self, navigation: int, inertial: int) -> None:
         """Take the counter of a navigation message and of the latest inertial one."""
@@ -36,10 +38,9 @@ class NavigationCounter:
 
     def count(self, navigation: int, near: CountedSequence) -> int | None:
         """
-        Return the count of the inertial sample of a navigation message; None before any pair.
+        Return the count of the inertial sample of a navigation message, if that can be told.
 
         near is the inertial sample that came last before that message.
         """
-        if self._difference is None:
-            return None
-        return near.nearest(PER_NAVIGATION * navigation + self._difference)
+        found = near.nearest(PER_NAVIGATION * navigation + self._difference)
+        return found if self._certain or abs(found - near.count) <= NEARBY else None

@@ -4,10 +4,11 @@
 Every stamp of a BAHRS: where the rooms of this package come together.
 
 At each read all messages are looked at first, so that every bound is in the estimate before the
-first stamp is made. A sample then gets its stamp if the device's time is known. Until it is,
-samples are held, 60 of them at most: that is what comes until the third time message. If it
-takes longer, or without samples, they get that of their arrival. Messages leave in the order of
-the stream, also those that need no time: what follows a sample that is held is held with it.
+first stamp is made. A sample then gets its stamp if the device's time is known, and more than a
+few samples have shown when they came. Until then samples are held, 60 of them at most: that is
+what comes until the third time message. If it takes longer, or without samples, they get that of
+their arrival. Messages leave in the order of the stream, also those that need no time: what
+follows a sample that is held is held with it.
 
 A stream, or what comes after a silence, seldom begins with an inertial message. What comes before
 the first one is looked at together with it, as if the sample before that had just come: it was
@@ -21,6 +22,7 @@ from statistics import median_low
 from typing import Any
 
 from bahrs_driver.clock.bounds import ByteBounds
+from bahrs_driver.clock.counter import SLACK
 from bahrs_driver.clock.device_time import DeviceTime, Verdict
 from bahrs_driver.clock.held import Held, HeldMessages
 from bahrs_driver.clock.host import HostClocks, step_sentence
@@ -33,7 +35,8 @@ from bahrs_driver.clock.sync_pulses import SyncPulses
 from bahrs_driver.clock.tracker import Tracker
 from bahrs_driver.clock.units import MICROSECOND, NANOSECONDS
 from bahrs_driver.protocol.bahrs import (
-    BahrsMessage, Inertial, InertialTime, Navigation, NavigationTime, SyncPulseTime,
+    BahrsMessage, Inertial, InertialTime, Navigation, NavigationTime, SoftwareVersion,
+    SyncPulseTime,
 )
 from bahrs_driver.protocol.framing import Frame
 
@@ -120,19 +123,27 @@ class SampleClock:
         kind, device = type(item.message), self._device
         handler = self._handlers.get(kind)
         if handler is None or not getattr(item.message, 'valid', True):
-            # A device that answers has ceased to stream: no time message comes soon.
-            if len(self._held) and isinstance(item.message, BahrsMessage) and item.message.SERVICE:
-                self._stop_holding()
+            self._interrupt(item.message)
         else:
             item.timed = True
             if not device.adrift and device.counter.silence_before(item.bound):
                 self._stop_holding()
+                self._stamper.lose_count()
                 device.cut_adrift()
             if device.adrift and kind is not Inertial:
                 self._early.append(item)
             else:
                 handler(item)
         self._held.items.append(item)
+
+    def _interrupt(self, message: Any) -> None:
+        """Stop holding if no time message can tell any more of what is held."""
+        if isinstance(message, SoftwareVersion):        # sent once, right after power-on
+            self._stop_holding()
+            self._stamper.lose_count()
+            self._device.forget()
+        elif isinstance(message, BahrsMessage) and message.SERVICE:
+            self._stop_holding()        # a device that answers has ceased to stream
 
     def _inertial(self, item: Held) -> None:
         device, counter, bound = self._device, self._device.counter, item.bound
@@ -141,11 +152,13 @@ class SampleClock:
             self._end_drift(sequence, bound)
         if not counter.follow(sequence, bound):
             latest = self._latest_count(bound)
-            turned = counter.may_have_turned(sequence, latest)
-            trusted = turned or counter.place(sequence, bound, latest)
-            if turned or counter.lost:
+            unclear = counter.may_have_turned(sequence, latest) or counter.far(
+                sequence, bound, latest)
+            trusted = unclear or counter.place(sequence, bound, latest)
+            if unclear or counter.lost:
                 self._stop_holding()
                 device.lose(sequence, bound)
+                self._stamper.lose_count()
         item.count = counter.count
         if trusted and device.known:
             self._tracker.feed(device.time_of(counter.count), bound)
@@ -157,6 +170,7 @@ class SampleClock:
         self._patient = True
         early, self._early = self._early, []
         for item in early:
+            item.early = True
             self._handlers[type(item.message)](item)
 
     def _navigation(self, item: Held) -> None:
@@ -189,7 +203,8 @@ class SampleClock:
         if not device.anchored or not tracker.started:
             return None
         time = device.time_of(device.counter.count)
-        return device.count_at(bound - tracker.host_time(time) + time)
+        slack = SLACK if tracker.rough else 0
+        return device.count_at(bound + slack - tracker.host_time(time) + time)
 
     def _lateness(self, time: int, bound: int) -> int | None:
         """Return by how much a message was later than believed, if a sample has this time."""
@@ -229,18 +244,25 @@ class SampleClock:
 
     def _release(self) -> None:
         """Stamp what is held, unless it must be held on."""
-        if not self._device.known and self._patient and self._held.timed:
+        if not self._ready and self._patient and self._held.timed:
             if not self._held.full:
                 return
             self._stop_doubting()
-            self._patient = self._device.known
+            self._patient = self._ready
         self._give(self._device.known)
+
+    @property
+    def _ready(self) -> bool:
+        return self._device.known and self._tracker.ready
 
     def _give(self, known: bool) -> None:
         """Stamp all that is held: by device time if it is known, or else by arrival."""
         known = known and self._tracker.started
         self._early.clear()
-        for item in self._held.take_all():
+        items = self._held.take_all()
+        if not known:
+            self._stamper.take_arrivals(items)
+        for item in items:
             stamp = self._stamper.stamp(item, known, self._now)
             if stamp is not None:
                 self._stamped.append(Stamped(item.message, item.frame, stamp))

@@ -34,7 +34,7 @@ JUMP_DEVIATION = 10 * MILLISECOND
 EQUAL_BUCKETS = 20
 NEIGHBOURS = 10                         # buckets to either side whose gaps tell the spread
 ROUNDS = 2
-FEW = 5                                 # pairs of buckets that do not tell the slope
+FEW = 5                                 # buckets, or pairs of them, that do not tell the slope
 SLOPE_DEVIATION, SKEW_DEVIATION = 20e-6, 100e-6
 ABOVE = 4.0                             # on the variance of what lies above the line
 
@@ -55,12 +55,14 @@ class Survey(Tracker):
         super().__init__()
         self._epochs: list[list[Bucket]] = []
         self._index = -1
+        self._start_of_bucket, self._slope = 0, 0.0
         self._two: list[tuple[int, int, int]] = []     # residual, device time, offset
 
     def restart(self) -> None:
         """Forget the offset and keep the skew; the device's clock was set anew."""
         super().restart()
         self._close()
+        self._index = -1
         self._epochs.append([])
 
     def feed(self, device: int, bound: int) -> None:
@@ -69,8 +71,11 @@ class Survey(Tracker):
         if device // BUCKET != self._index:
             self._close()
             self._index = device // BUCKET
+            self._start_of_bucket, self._slope = device, self.skew
+        # Not from the line that is believed, which may move within the bucket.
         offset = bound - device
-        self._two = sorted([*self._two, (bound - self.host_time(device), device, offset)])[:2]
+        residual = offset - round(self._slope * (device - self._start_of_bucket))
+        self._two = sorted([*self._two, (residual, device, offset)])[:2]
 
     def lines(self) -> 'SmoothedLines':
         """Return what is known now that all was seen."""
@@ -137,6 +142,16 @@ class SmoothedLines(Tracker):
         return self._line is not None
 
     @property
+    def ready(self) -> bool:
+        """Whether the epoch is known."""
+        return self.started
+
+    @property
+    def rough(self) -> bool:
+        """Whether the estimate may be late; it is the best that there is."""
+        return False
+
+    @property
     def skew(self) -> float:
         """By how much host time runs faster than device time."""
         return self._line.skew(self._device) if self._line else 0.0
@@ -156,6 +171,9 @@ class SmoothedLines(Tracker):
 
 
 def _line(buckets: list[Bucket]) -> Line:
+    if len(buckets) < FEW:      # no skew can be told, and most may have been late
+        lowest = min(buckets, key=lambda bucket: bucket.offset)
+        return Line(buckets[0].time, [(lowest.time, lowest.offset, 0.0)])
     spreads = _spreads(buckets)
     forward, jumps = _pass(buckets, spreads)
     backward, jumps_back = _pass(buckets[::-1], spreads[::-1])
@@ -199,6 +217,8 @@ def _measured(bucket: Bucket) -> float:
 
 
 def _variance(gap: float, spread: float) -> float:
+    if math.isinf(gap):         # nothing tells how late a sample is that is alone
+        return FIRST_DEVIATION ** 2
     return LEAST_DEVIATION ** 2 + 2 * spread ** 2 + min(gap, WIDEST_GAP) ** 2
 
 

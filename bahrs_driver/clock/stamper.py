@@ -5,11 +5,14 @@ The stamp of each message, once it is its turn.
 
 A sample has the stamp of its device time. A navigation message has the stamp of its inertial
 sample, and a time message that of the sample that it is about, so that what is of one time is
-under one stamp. A pulse has a time of its own, however near a sample it was.
+under one stamp. A pulse has a time of its own, however near a sample it was. Without device time
+a sample has the stamp of its arrival, as even as its count and the nominal period make it.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
+from bahrs_driver.clock.counter import PERIOD
 from bahrs_driver.clock.device_time import DeviceTime
 from bahrs_driver.clock.held import Held
 from bahrs_driver.clock.interface import Instant
@@ -43,6 +46,17 @@ class Stamper:
         self._device, self._tracker = device, tracker
         self._output, self._pulses = output, pulses
         self._latest: _Latest | None = None
+        self._by_count = Tracker()
+
+    def lose_count(self) -> None:
+        """Forget how counts go with host time: they do not go on."""
+        self._by_count.restart()
+
+    def take_arrivals(self, items: Iterable[Held]) -> None:
+        """Take samples that are going to be stamped without device time."""
+        for item in items:
+            if item.count is not None:
+                self._by_count.feed(item.count * PERIOD, item.bound)
 
     def allow_backward(self) -> None:
         """Let the next stamp be earlier than the last: the host was set back."""
@@ -77,8 +91,10 @@ class Stamper:
         """Return the stamp of an inertial or navigation message."""
         if not item.near:
             return self._new_sample(item, item.count, known, now)
-        before = item.near.count        # the sample that it follows is its own, or was lost
-        count = max(before, self._device.navigation.count(item.message.sequence, item.near) or 0)
+        before = item.near.count
+        count = self._device.navigation.count(item.message.sequence, item.near)
+        if count is None or (count < before and not item.early):
+            count = before              # it follows its sample, or one before that
         stamp = self._navigation(item, count, known, now)
         return self._navigation(item, before, known, now) if stamp is None else stamp
 
@@ -98,7 +114,10 @@ class Stamper:
                 return None
         else:
             self.arrivals += type(item.message) is Inertial
-            stamp = self._output.arrival(item.bound)
+            arrival = item.bound
+            if count is not None and self._by_count.started:
+                arrival = min(arrival, self._by_count.host_time(count * PERIOD))
+            stamp = self._output.arrival(arrival)
         self._latest = _Latest(count, device, stamp)
         return stamp
 

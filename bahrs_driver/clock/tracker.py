@@ -47,6 +47,7 @@ ODD_GAP = 3                             # times the usual one: wider ones count 
 FIRST_DEVIATION = 200 * MICROSECOND     # of the offset after the first span
 JUMP_DEVIATION = 100 * MICROSECOND
 ALONE = 10 * MILLISECOND
+FIRST_LOOK = 70 * MILLISECOND           # more than an adapter holds back, or a busy line takes
 PATIENCE = 60 * NANOSECONDS
 # At an even temperature, and while it changes.
 PACES = (pace(0.03, leave=0.002), pace(0.5, leave=0.05))
@@ -63,7 +64,7 @@ class Tracker:
         self._skew, self._skew_deviation = 0.0, 100e-6
         self._filter: OffsetFilter | None = None
         self._in_first_span = True
-        self._begin = self._accepted = 0        # device times
+        self._begin = self._latest = self._accepted = 0     # device times
         self._bucket_end = self._lowest_time = 0
         self._lowest = self._second = math.inf
         self._late: deque[float] = deque(maxlen=EQUAL_BUCKETS)
@@ -79,6 +80,16 @@ class Tracker:
     def started(self) -> bool:
         """Whether there is an estimate."""
         return self._filter is not None
+
+    @property
+    def ready(self) -> bool:
+        """Whether there is an estimate, and more than the first samples went into it."""
+        return self._filter is not None and self._latest - self._begin >= FIRST_LOOK
+
+    @property
+    def rough(self) -> bool:
+        """Whether the estimate may still be late by all that an adapter holds back."""
+        return self._in_first_span
 
     @property
     def skew(self) -> float:
@@ -98,6 +109,7 @@ class Tracker:
     def feed(self, device: int, bound: int) -> None:
         """Take a sample: its device time, and the host's time that it was not sent after."""
         line = self._filter
+        self._latest = device
         if line is None:
             self._start(device, bound)
             return

@@ -52,6 +52,7 @@ TOPICS: dict[str, type] = {
 LATCHED = {'integrity'}
 
 TIME_SOURCE = 'bahrs'
+LONGEST_APART = 500_000_000     # ns by which a message may be stamped after its inertial sample
 LONGEST_TIME_US = 2 ** 31 * ros.MICROSECONDS     # what a ROS time can hold
 
 Outgoing = Iterator[tuple[str, Any]]
@@ -132,6 +133,7 @@ class BahrsConverter:
         self._pairing = Pairing[_Sample]()
         self._accuracy.begin()
         self._orientation = NO_ROTATION
+        self._navigation_stamp = 0
 
     def _inertial(self, message: Inertial, stamp_ns: int) -> Outgoing:
         yield from self._changes(message, stamp_ns)
@@ -164,7 +166,7 @@ class BahrsConverter:
 
     def _navigation(self, message: Navigation, stamp_ns: int) -> Outgoing:
         self._accuracy.count_navigation()
-        sample = self._pairing.navigation(message.sequence) or _no_sample(stamp_ns)
+        sample = self._sample_of(message, stamp_ns)
         yield from self._changes(message, sample.stamp_ns)
         height, velocity, roll, pitch, heading = self._options.appraisal.of(message.health)
         if height is not None:
@@ -177,6 +179,16 @@ class BahrsConverter:
             yield from self._field(message, max(level, heading), sample.stamp_ns)
         yield 'heading', ros.number(
             math.nan if heading is None else math.degrees(message.magnetic_heading) % 360.0)
+
+    def _sample_of(self, message: Navigation, stamp_ns: int) -> _Sample:
+        """Return the inertial sample of a navigation message, or one without values."""
+        sample = self._pairing.navigation(message.sequence)
+        if sample is None or stamp_ns - sample.stamp_ns > LONGEST_APART:
+            sample = _no_sample(stamp_ns)
+        elif sample.stamp_ns == self._navigation_stamp:     # the frame came twice
+            sample = sample._replace(stamp_ns=stamp_ns)
+        self._navigation_stamp = sample.stamp_ns
+        return sample
 
     def _changes(self, message: Inertial | Navigation, stamp_ns: int) -> Outgoing:
         notice = self._notice.update(message.SIGNALS, message.health, stamp_ns,

@@ -57,12 +57,22 @@ def test_three_that_make_no_sense_are_a_loss():
 
 
 def test_silence():
-    """Of more than half a turn of the counter."""
+    """Of nearly as long as a device takes to start."""
     counter = SampleCounter()
     assert not counter.silence_before(10 ** 12)
     counter.place(0, 0, None)
-    assert not counter.silence_before(100 * PERIOD)
-    assert counter.silence_before(130 * PERIOD)
+    assert not counter.silence_before(70 * PERIOD)
+    assert counter.silence_before(90 * PERIOD)
+
+
+@pytest.mark.parametrize('sequence, periods, far', [
+    (1, 1, False), (20, 20, False), (40, 40, True), (40, 5, False), (250, 3, False)])
+def test_far(sequence, periods, far):
+    """Where so much is missing, and time enough has passed, another counter may go on."""
+    counter = SampleCounter()
+    assert not counter.far(sequence, 0, None)
+    counter.place(0, 0, None)
+    assert counter.far(sequence, periods * PERIOD, periods) is far
 
 
 def test_nearest():

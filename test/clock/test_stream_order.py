@@ -65,11 +65,11 @@ def test_order_does_not_depend_on_how_the_stream_is_cut(seed, sizes, **faults):
 def test_what_follows_a_held_sample_is_held_with_it():
     """The accuracy speaks of the navigation messages behind it."""
     accuracy = Accuracy(0, 0.1, 0.1, 0.1, 0)
-    given_back = fed([[inertial(0), InertialTime(0, 1, 700_000), Navigation(0, *NAVIGATION)],
-                      [accuracy], [NavigationTime(0, 1, 700_000)]])
-    assert given_back[:2] == [[], []]
-    assert [type(message) for message in given_back[2]] == [
-        Inertial, InertialTime, Navigation, Accuracy, NavigationTime]
+    beginning = [inertial(0), InertialTime(0, 1, 700_000), Navigation(0, *NAVIGATION), accuracy]
+    end = [inertial(20), InertialTime(1, 21, 800_000)]
+    given_back = fed([beginning, *([inertial(count)] for count in range(1, 20)), end])
+    assert given_back[:20] == [[]] * 20
+    assert given_back[20] == beginning + [inertial(count) for count in range(1, 20)] + end
 
 
 def test_what_needs_no_time_waits_for_nothing_but_samples():

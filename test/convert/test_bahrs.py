@@ -337,3 +337,29 @@ def test_derived_field_can_be_turned_off():
 def test_other_messages_become_nothing():
     """They belong to other rooms."""
     assert published(SoftwareVersion('OSS', 1, 2)) == {}
+
+
+def stamp_of(message):
+    """Return the stamp of a message in ns."""
+    return message.header.stamp.sec * 10 ** 9 + message.header.stamp.nanosec
+
+
+def test_a_navigation_message_that_comes_twice_has_increasing_stamps():
+    """The second one has the stamp that the clock gave it, and the same values."""
+    converter = BahrsConverter(OPTIONS)
+    list(converter.convert(INERTIAL, STAMP))
+    first = dict(converter.convert(NAVIGATION, STAMP))
+    second = dict(converter.convert(NAVIGATION, STAMP + 1))
+    for topic, message in first.items():
+        if topic not in ('integrity', 'heading'):
+            assert stamp_of(message) == STAMP and stamp_of(second[topic]) == STAMP + 1
+    assert second['imu/data'].angular_velocity == first['imu/data'].angular_velocity
+
+
+def test_an_inertial_sample_from_before_a_gap_is_not_that_of_a_message_after_it():
+    """Though its counter would fit, a turn later."""
+    converter = BahrsConverter(OPTIONS)
+    list(converter.convert(INERTIAL, STAMP))
+    outgoing = dict(converter.convert(NAVIGATION, STAMP + 1_280_000_000))
+    assert stamp_of(outgoing['imu/data']) == STAMP + 1_280_000_000
+    assert math.isnan(outgoing['imu/data'].angular_velocity.x)
