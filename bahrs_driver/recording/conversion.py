@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator, Mapping
 import heapq
 from typing import Any, NamedTuple, Protocol
 
-from bahrs_driver.clock import Clock, Instant, SampleClock, Stamped
-from bahrs_driver.clock.smoother import SmoothedLines, Survey
+from bahrs_driver.clock import Clock, Instant, NANOSECONDS, SampleClock, Stamped
+from bahrs_driver.clock.smoother import Survey
 from bahrs_driver.convert import nvm_page, raw
 from bahrs_driver.protocol.bahrs import NvmPage
 from bahrs_driver.recording import flight_health
@@ -82,11 +82,9 @@ class Conversion:
 
     def run(self, output: Output, progress: Callable[[str], None]) -> Outcome:
         """Convert into an output. progress is called now and then with the name of the pass."""
-        capture, lines = self._survey(progress)
+        capture, clock = self._survey(progress)
         sensor = self._make_sensor()
-        clock = sensor.clock
-        if lines and isinstance(clock, SampleClock):
-            clock = clock.with_tracker(lines)
+        clock = clock or sensor.clock
         topics = dict(sensor.topics)
         if self._given.timed:
             topics[raw.TOPIC] = UInt8MultiArray
@@ -121,18 +119,21 @@ class Conversion:
         if self._given.timed and chunk.data:
             self._hold(now, *self._raw(chunk))
 
-    def _survey(self, progress: Callable[[str], None]) -> tuple[Capture, SmoothedLines | None]:
-        """Return the capture with times, and what is known of its clock by all of it."""
+    def _survey(self, progress: Callable[[str], None]) -> tuple[Capture, Clock | None]:
+        """Return the capture with times, and a clock that knows all of it, if any can."""
         sensor = self._make_sensor()
         if not self._given.timed:
-            timed = DeviceTimed(self._given, sensor.framer, sensor.codec, self._start_ns, progress)
-            return timed, timed.lines()
+            timed = DeviceTimed(
+                self._given, lambda: self._make_sensor().framer, sensor.codec,
+                self._settings['time.label'], self._start_ns, progress)
+            return timed, timed.clock(
+                round(self._settings['time.fixed_latency'] * NANOSECONDS))
         if not isinstance(sensor.clock, SampleClock):
             return self._given, None
         survey = Survey()
         for _ in _play(self._given, sensor, sensor.clock.with_tracker(survey), LogClock()):
             progress('looking at the clock')
-        return self._given, survey.lines()
+        return self._given, sensor.clock.with_tracker(survey.lines())
 
     def _raw(self, chunk: Chunk) -> tuple[str, UInt8MultiArray]:
         read_at = chunk.read_at or 0
