@@ -4,9 +4,9 @@
 Which inertial sample a navigation message is of the same time as.
 
 `inertial - 2 * navigation` (modulo 256) is constant for as long as the device runs: 0, as both
-counters begin at 0. Each pair of neighbours tells it, but one of a pair may be lost. At first the
-most frequent value of the last few pairs counts, with 0 as if two pairs had told it; once five in a
-row have agreed, only another five in a row change it.
+counters begin at 0. Each pair of neighbours gives it, but one of a pair may be lost. At first the
+most frequent value of the last few pairs counts, where 0 has two votes in advance; once five in
+a row have agreed, only another five in a row change it.
 """
 
 from collections import deque

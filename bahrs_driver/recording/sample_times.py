@@ -72,7 +72,8 @@ class SampleTimes:
         """Start without an anchor."""
         self.epochs = 0
         self.rejected = 0                   # anchors that contradicted
-        self._jumps: deque[Jump] = deque(maxlen=MOST_JUMPS)     # since the latest anchor that was believed
+        # Since the latest anchor that was believed.
+        self._jumps: deque[Jump] = deque(maxlen=MOST_JUMPS)
         self._line: Timeline | None = None
         self._candidate: Timeline | None = None
         self._latest = self._doubted = Anchor(_FIRST, 0, 0)     # of the line, of the candidate
