@@ -5,6 +5,7 @@
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 import sys
+import time
 
 from bahrs_driver.executor import DrainingExecutor
 from bahrs_driver.exit_timer import exit_after
@@ -14,22 +15,28 @@ from bahrs_driver.printable import printable
 from bahrs_driver.ros_start import init_ros, RosStartError, start_errors
 from bahrs_driver.settings.command_line import RosArguments, split
 from bahrs_driver.settings.parameter_files import is_pipe
-from bahrs_driver.shutdown_event import EXIT_TIME, ShutdownEvent
+from bahrs_driver.shutdown_event import end_process, EXIT_TIME, ShutdownEvent
 import rclpy
 from rclpy.utilities import remove_ros_args
 
 SERVICE_THREADS = 3         # so that a service that takes long holds up nothing
 RESTART_PERIOD = 1.0        # s, before a thread that failed begins again
+SET_BACK = 0.1              # s by which the host clock was set back, from which on it matters
 
 
 def run(shutdown: ShutdownEvent) -> int:
     """Run the node until the shutdown event is set; return 0, or 1 if it cannot start."""
     if shutdown.is_set():       # while this module was imported
         return 0
+    offset = _host_clock_offset()
     try:
         with start_errors(sys.argv):
             node = _start()
-        _run_node(node, shutdown)
+        executor = _run_node(node, shutdown)
+        if _host_clock_offset() < offset - SET_BACK:
+            end_process(0)      # destroying the node hangs then, and crashed once in 200 times
+        executor.shutdown()
+        node.destroy_node()  # type: ignore[no-untyped-call]
     except RosStartError as error:
         print('bahrs_driver:', error, file=sys.stderr)
         return 1
@@ -48,11 +55,12 @@ def _start() -> DriverNode:
     return node
 
 
-def _run_node(node: DriverNode, shutdown: ShutdownEvent) -> None:
+def _run_node(node: DriverNode, shutdown: ShutdownEvent) -> DrainingExecutor:
     """
     Run the node's threads and the executor until the shutdown event is set.
 
-    The port is closed and spinning has ended before anything of ROS is destroyed.
+    The port is closed and spinning has ended before anything of ROS is destroyed. Return the
+    executor, which still has to be shut down.
     """
     executor = DrainingExecutor(
         SERVICE_THREADS, lambda error: node.faults.report('a request or timer', error))
@@ -66,8 +74,7 @@ def _run_node(node: DriverNode, shutdown: ShutdownEvent) -> None:
         node.leave_device()
         node.stop()
         executor.stop()
-    executor.shutdown()
-    node.destroy_node()  # type: ignore[no-untyped-call]
+    return executor
 
 
 def _keep_running(name: str, run_thread: Callable[[], None], node: DriverNode,
@@ -80,6 +87,11 @@ def _keep_running(name: str, run_thread: Callable[[], None], node: DriverNode,
             node.faults.report(name, error)
         if shutdown.wait(RESTART_PERIOD):
             return
+
+
+def _host_clock_offset() -> float:
+    """Return the host clock less steady time in seconds; only setting the clock changes it."""
+    return time.time() - time.monotonic()
 
 
 def _check_arguments(words: list[str]) -> None:
