@@ -208,9 +208,8 @@ class SampleClock:
 
     def _lateness(self, time: int, bound: int) -> int | None:
         """Return by how much a message was later than believed, if a sample has this time."""
-        if not self._tracker.started:
-            return None
-        return bound - self._tracker.host_time(time)
+        tracker = self._tracker
+        return bound - tracker.host_time(time) if tracker.started else None
 
     def _begin_epoch(self) -> None:
         self._epochs += 1
@@ -268,12 +267,9 @@ class SampleClock:
                 self._stamped.append(Stamped(item.message, item.frame, stamp))
 
     def _update_pulses(self) -> None:
-        counter, device = self._device.counter, self._device
-        if not device.known or not self._tracker.started:
-            return
-        changed = self._pulses.update(
-            device.time_of(counter.count), self._tracker, self._host)
-        if changed:
+        device, tracker = self._device, self._tracker
+        if device.known and tracker.started and (changed := self._pulses.update(
+                device.time_of(device.counter.count), tracker, self._host)):
             self._output.hurry()
             self._notices.add(changed)
 
