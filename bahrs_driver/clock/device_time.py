@@ -114,7 +114,7 @@ class DeviceTime:
         message is right; None if no clock is believed yet.
         """
         timeline, candidate = self._timeline, self._candidate
-        # Device time goes back when it is set anew only, by however little.
+        # Device time goes back only when it is set again, by however little.
         fits = timeline is not None and time > timeline.latest[1] and (
             lateness is not None and EARLIEST <= lateness <= LATEST)
         if timeline and timeline.agrees(count, time):      # also if turns might have been lost

@@ -38,7 +38,7 @@ class NavigationCounter:
 
     def count(self, navigation: int, near: CountedSequence) -> int | None:
         """
-        Return the count of the inertial sample of a navigation message, if that can be told.
+        Return the count of the inertial sample of a navigation message, None if unknown.
 
         near is the inertial sample that came last before that message.
         """

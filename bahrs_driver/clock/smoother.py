@@ -171,7 +171,7 @@ class SmoothedLines(Tracker):
 
 
 def _line(buckets: list[Bucket]) -> Line:
-    if len(buckets) < FEW:      # no skew can be told, and most may have been late
+    if len(buckets) < FEW:      # the skew is unknown, and most may have been late
         lowest = min(buckets, key=lambda bucket: bucket.offset)
         return Line(buckets[0].time, [(lowest.time, lowest.offset, 0.0)])
     spreads = _spreads(buckets)

@@ -15,8 +15,8 @@ Known firmware agrees to enter only within half a second of power-on, so enterin
 long, and the user is told to switch the device off and on. Nobody knows beforehand which of the
 service frames' variants a device understands (padding and CRC, see bahrs_frames), so entering goes
 through all of them; the CRC of the answer tells which it was. A device that streams in the midst
-of reading has left by itself or was switched off and on, and is asked to enter again, a few times.
-If the device does not answer to leaving, it leaves by itself five seconds after the last request.
+of reading has left on its own or was restarted, and is asked to enter again, a few times.
+A device that does not answer to leaving leaves on its own five seconds after the last request.
 Whatever the device does, a session ends: no later than `time_limit` seconds after its begin.
 """
 

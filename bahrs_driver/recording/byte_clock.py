@@ -54,7 +54,7 @@ class ByteClock:
         return []
 
     def pulse_reference(self, ros_ns: int) -> None:
-        """Do nothing: nobody tells of pulses that are long past."""
+        """Do nothing: a recording has no external pulse times."""
 
     def take_notices(self) -> list[str]:
         """Return nothing: there is no clock that anybody could set."""

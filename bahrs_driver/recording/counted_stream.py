@@ -1,7 +1,7 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The samples of a stream of bytes, counted on by their counters, and what is told of their times.
+The samples of a stream of bytes, counted by their counters, and the device times of some.
 
 Samples are the inertial messages, or the navigation messages of a stream that has no others.
 Both are counted in inertial periods. What comes before the first sample, or after the device was
@@ -141,8 +141,8 @@ class CountedStream:
     def _decide(self) -> None:
         """Use the first time messages, now that it is clear which samples they name."""
         undecided, self._undecided = self._undecided or [], None
-        for told in undecided:
-            self._anchor(*told)
+        for anchor in undecided:
+            self._anchor(*anchor)
 
     def _anchor(self, message: TimeMessage, latest: CountedSequence, received: int) -> None:
         time, named = message.device_time_us * MICROSECOND, self._named(message, latest)

@@ -29,7 +29,7 @@ _FIRST = -2 ** 62                   # count before all others
 
 
 class Anchor(NamedTuple):
-    """A sample whose device time was told."""
+    """A sample whose device time a message gives."""
 
     sample: int             # its count
     time: int               # device time in ns
