@@ -75,7 +75,8 @@ def test_without_log_files(tmp_path, monkeypatch, variables):
     assert 'logs are not written to files' in started.text['driver_node']
     assert 'does not exist' in started.text['driver_node']      # of the port: it runs
     assert '-> export ROS_LOG_DIR=' in started.text['doctor']
-    assert 'is driver_node running' in started.text['monitor']
+    # Within 0.2 s the monitor may have heard the driver, or not yet.
+    assert any(text in started.text['monitor'] for text in ('is driver_node running', 'Topic'))
     assert 'bahrs record: the' in started.text['record']
 
 
