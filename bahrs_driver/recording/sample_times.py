@@ -33,7 +33,7 @@ class Anchor(NamedTuple):
 
     sample: int             # its count
     time: int               # device time in ns
-    received: int           # samples that were received before it was told
+    received: int           # samples received before its time was known
 
 
 class Jump(NamedTuple):
@@ -66,7 +66,7 @@ class Stretch(NamedTuple):
 
 
 class SampleTimes:
-    """Finds the device time of samples from what is told of some of them."""
+    """Finds the device time of samples from that of some of them."""
 
     def __init__(self) -> None:
         """Start without an anchor."""
