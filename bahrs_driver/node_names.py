@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 ROOT = '/'
 USUAL_NAME = 'bahrs_driver'     # of a driver that was not renamed
-SETTLE_TIME = 2.0       # s after the first match in which another one makes the choice unclear
+SETTLE_TIME = 5.0       # s after the first match in which another one makes the choice unclear
 
 
 def full_name(name: str, namespace: str) -> str:

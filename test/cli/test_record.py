@@ -228,7 +228,7 @@ def test_a_clock_that_is_set_back(tmp_path, raw_only):
         assert wait_for(lambda: size(bag) > 5_000, LONG)
         before = size(bag)
         clock.set_back(3600.0)
-        assert wait_for(lambda: size(bag) > before + 10_000, LONG)
+        assert wait_for(lambda: size(bag) > before + 60_000, LONG)
         assert recorder.end() == 0
     told = json.loads(next(line for line in recorder.lines if line.startswith('{')))
     step, = told['clock_steps']
@@ -237,7 +237,7 @@ def test_a_clock_that_is_set_back(tmp_path, raw_only):
         times = [message.log_time for _, channel, message in make_reader(file).iter_messages(
             log_time_order=False) if channel.topic == '/raw']
     assert times == sorted(times) and len(set(times)) > 0.9 * len(times)
-    assert 0.5e9 < times[-1] - times[0] < LONG * 1e9
+    assert 0 < times[-1] - times[0] < LONG * 1e9
 
 
 def test_names_of_bags_that_begin_in_the_same_second(tmp_path, monkeypatch):

@@ -23,8 +23,8 @@ ROS_WORDS = st.lists(st.one_of(
                      '__ns:=/left', '__ns:=bad ns', '__node:=other', '__node:=a/b', 'x:=1',
                      'use_sim_time:=maybe', 'use_sim_time:=true', '/dev/null', '--nothing']),
     ODD), max_size=4).map(lambda words: ['--ros-args', *words])
-# The monitor is for a driver that there is not, or it might hear the one that runs beside it.
-NODES = {'driver_node': [], 'monitor': ['--node', '/absent', '--duration', '0.2'],
+# The monitor watches an empty namespace: the driver in this test publishes in the root.
+NODES = {'driver_node': [], 'monitor': ['--node', '/elsewhere/absent', '--duration', '0.2'],
          'doctor': ['--no-listen', '--port', '/dev/null'], 'record': ['--raw-only', '-o']}
 # What those print that do not end by themselves, once they have started.
 STARTED = {'driver_node': 'does not exist', 'record': 'bahrs record: the'}
