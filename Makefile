@@ -3,15 +3,19 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+# Tests mostly wait: more of them than cores run at once, those that wait longest first.
+WORKERS ?= 4
+PARALLEL := -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 NOBLE := .venv-noble
 
-.PHONY: help setup run test test-noble lint docs bench bench-clock bench-exits build clean
+.PHONY: help setup run test check test-noble lint docs bench bench-clock bench-exits build clean
 
 help:
 	@echo 'make run      watch the driver at work on an emulated device'
 	@echo '              PORT=/dev/ttyUSB0 for a real one, DURATION=15 to end by itself,'
 	@echo '              SENSOR=titan_m for the other device'
-	@echo 'make test     all tests and linters'
+	@echo 'make test     all tests and linters, in parallel; WORKERS=1 one after the other'
+	@echo 'make check    linters, types and unit tests: no process, no ROS'
 	@echo 'make test-noble   all tests with the package versions of Ubuntu 24.04;'
 	@echo '              PYTHON=python3.12 for its Python, too'
 	@echo 'make lint     linters only'
@@ -35,7 +39,10 @@ run: $(READY)
 	@$(BIN)/python tools/run.py $(if $(SENSOR),--sensor "$(SENSOR)") $(if $(PORT),--port "$(PORT)") $(if $(DURATION),--duration "$(DURATION)")
 
 test: $(READY)
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest $(PARALLEL)
+
+check: $(READY)
+	$(BIN)/python -m pytest $(PARALLEL) -m unit
 
 $(NOBLE)/.ready: requirements.txt test/constraints-ubuntu-24.04.txt setup.py setup.cfg
 	$(PYTHON) -m venv $(NOBLE)
@@ -45,7 +52,7 @@ $(NOBLE)/.ready: requirements.txt test/constraints-ubuntu-24.04.txt setup.py set
 	@touch $@
 
 test-noble: $(NOBLE)/.ready
-	$(NOBLE)/bin/python -m pytest
+	$(NOBLE)/bin/python -m pytest $(PARALLEL)
 
 lint: $(READY)
 	$(BIN)/python -m pytest test/lint

@@ -6,6 +6,8 @@ import os
 from pathlib import Path
 import signal
 import tempfile
+from types import ModuleType
+from typing import Any
 
 from domain import use_own_domain
 from hypothesis import HealthCheck, settings
@@ -29,3 +31,25 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 settings.register_profile('repeatable', derandomize=True, deadline=None,
                           suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile('repeatable')
+
+# A module of tests that imports one of these needs what the marker says.
+MARKED_BY = {'process': {'subprocess', 'processes'}, 'ros': {'rclpy', 'processes', 'starting'}}
+
+
+def pytest_collection_modifyitems(items: list[Any]) -> None:
+    """Mark each test with what it needs, and run first what mostly waits."""
+    for item in items:
+        for name in markers(item.module):
+            item.add_marker(name)
+    items.sort(key=lambda item: item.get_closest_marker('process') is None)
+
+
+def markers(module: ModuleType) -> set[str]:
+    """Return the markers of all tests in a module: those of what it imports, or unit."""
+    if Path(str(module.__file__)).parent.name == 'lint':
+        return {'unit'}
+    values = vars(module).values()
+    imported = {value.__name__ if isinstance(value, ModuleType)
+                else str(getattr(value, '__module__', '')) for value in values}
+    packages = {name.split('.')[0] for name in imported}
+    return {name for name, marking in MARKED_BY.items() if packages & marking} or {'unit'}

@@ -57,7 +57,8 @@ def test_smoother_may_jump_where_it_is_told():
     Case(30.0, overload=(0.0, 12.0)), Case(30.0, restarts=(14.0,)), Case(30.0, loss=0.02),
     Case(30.0, bad_counters=0.02, bad_times=0.05), Case(30.0, drift_ppm=-200.0),
     Case(30.0, pause_before=16, pause=2.7),
-], ids=str)
+], ids=['16 ms', 'packets', '1 ms', 'overload', 'early overload', 'restart', 'loss',
+        'bad counters', 'drift', 'pause'])
 def test_better_than_live(case):
     """From the first second to the last, in whatever case."""
     survey = Survey()
