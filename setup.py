@@ -3,15 +3,19 @@
 """How the package is built and installed."""
 
 from glob import glob
+from pathlib import Path
+import re
 
 from setuptools import find_packages, setup
 
 PACKAGE = 'bahrs_driver'
+VERSION = re.search("__version__ = '(.*)'", Path(PACKAGE, '__init__.py').read_text())
 
 setup(
     name=PACKAGE,
-    version='0.1.0',
+    version=VERSION[1],
     packages=find_packages(include=[PACKAGE, f'{PACKAGE}.*']),
+    package_data={PACKAGE: ['py.typed']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),
         (f'share/{PACKAGE}', ['package.xml']),
@@ -32,7 +36,7 @@ setup(
     entry_points={
         'console_scripts': [
             'bahrs = bahrs_driver.cli.main:main',
-            'driver_node = bahrs_driver.driver_node:main',
+            'driver_node = bahrs_driver.node.main:main',
         ],
     },
 )

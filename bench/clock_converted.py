@@ -8,16 +8,16 @@ from pathlib import Path
 import tempfile
 
 from bahrs_driver.clock import SampleClock
-from bahrs_driver.clock.smoother import Survey
-from bahrs_driver.clock.tracker import Tracker
+from bahrs_driver.clock.estimation.smoother import Survey
+from bahrs_driver.clock.estimation.tracker import Tracker
 from clock_methods import judged_stamps, Stamp
 from clock_node import errors_of
 from clock_simulation import BYTE_TIME, Case, Read, Simulation
 from clock_table import figures
-from domain import use_own_domain
-from processes import driver, running, wait_for
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import get_typestore, Stores
+from support.domain import use_own_domain
+from support.processes import driver, running, wait_for
 
 CONVERTED_HEADER = ('latency timer', 'stamps of', 'stamps', 'p50', 'p99', 'max', 'wander p99',
                     'wander max')

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from bahrs_driver.clock import ClockOptions, Instant, NANOSECONDS, SampleClock, Stamped
-from bahrs_driver.protocol.bahrs import Inertial
+from bahrs_driver.protocol.bahrs.messages import Inertial
 from bahrs_driver.protocol.framing import Frame
 from clock_simulation import BYTE_TIME, Case, ORIGIN, Simulation
 

@@ -10,9 +10,9 @@ import time
 
 from clock_floor import least_delays
 from clock_table import figures
-from domain import use_own_domain
-from processes import driver, listening, running, wait_for
 from sensor_msgs.msg import Imu
+from support.domain import use_own_domain
+from support.processes import driver, listening, running, wait_for
 
 NODE_HEADER = ('latency timer', 'time.source', 'stamps', 'p50', 'p99', 'max', 'wander p99',
                'wander max')

@@ -15,7 +15,7 @@ import random
 from typing import Any, NamedTuple
 
 from bahrs_driver.clock import byte_time_ns, Instant, NANOSECONDS
-from bahrs_driver.protocol.bahrs import (
+from bahrs_driver.protocol.bahrs.messages import (
     Accuracy,
     Inertial,
     InertialTime,

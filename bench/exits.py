@@ -11,10 +11,10 @@ import collections
 from pathlib import Path
 import tempfile
 
-from domain import use_own_domain
 import numpy as np
-from random_starts import random_starts
-from set_clock import SettableClock
+from support.domain import use_own_domain
+from support.random_starts import random_starts
+from support.set_clock import SettableClock
 
 
 def main() -> None:

@@ -17,14 +17,14 @@ import time
 import zlib
 
 from bahrs_driver.cli.main import main as emulator
-from bahrs_driver.link import Link
-from bahrs_driver.parameters import PARAMETERS
-from bahrs_driver.protocol.bahrs import Accuracy, Inertial, InertialTime, Navigation
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.devices import bahrs
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.messages import Accuracy, Inertial, InertialTime, Navigation
 from bahrs_driver.protocol.batch import Batch
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.sensors import bahrs
+from bahrs_driver.settings.table import PARAMETERS
+from bahrs_driver.transport.link import Link
 
 SECONDS = 60            # of the device's stream
 RUNS = 5

@@ -9,7 +9,7 @@ Start the driver for a BAHRS.
 An argument beats the parameter file, which beats the defaults of the driver.
 """
 
-from bahrs_driver.launching import describe_driver
+from bahrs_driver.node.launching import describe_driver
 from launch import LaunchDescription
 
 

@@ -8,7 +8,7 @@ Start the driver for a Titan-M.
 Arguments are those of bahrs.launch.py. The sensor is a Titan-M whatever the parameter file says.
 """
 
-from bahrs_driver.launching import describe_driver
+from bahrs_driver.node.launching import describe_driver
 from launch import LaunchDescription
 
 

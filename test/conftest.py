@@ -9,8 +9,8 @@ import tempfile
 from types import ModuleType
 from typing import Any
 
-from domain import use_own_domain
 from hypothesis import HealthCheck, settings
+from support.domain import use_own_domain
 
 use_own_domain()
 

@@ -15,20 +15,20 @@ import inspect
 import random
 import tracemalloc
 
+from bahrs_driver.bag.message_queue import OVERHEAD, Taken, TakenQueue
 from bahrs_driver.clock import Instant
+from bahrs_driver.devices import SENSORS
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.monitor import Monitor
 from bahrs_driver.diagnostics.time_task import TimeTask
-from bahrs_driver.link import Link, Reading
 from bahrs_driver.monitor.tally import MOST_ARRIVALS, Tally
-from bahrs_driver.parameters import defaults
-from bahrs_driver.protocol.bahrs import layouts
-from bahrs_driver.protocol.bahrs_frames import build_frame
-from bahrs_driver.protocol.titan_frames import ANSWER_MARKER, checksum, CHECKSUM_ORDERS
-from bahrs_driver.protocol.titan_m import ANSWERS, PAYLOAD_SIZES
-from bahrs_driver.receiver import LinkCounters
-from bahrs_driver.recording.taken_queue import OVERHEAD, Taken, TakenQueue
-from bahrs_driver.sensors import SENSORS
+from bahrs_driver.protocol.bahrs.frames import build_frame
+from bahrs_driver.protocol.bahrs.messages import layouts
+from bahrs_driver.protocol.titan_m.frames import ANSWER_MARKER, checksum, CHECKSUM_ORDERS
+from bahrs_driver.protocol.titan_m.messages import ANSWERS, PAYLOAD_SIZES
+from bahrs_driver.settings.table import defaults
+from bahrs_driver.transport.link import Link, Reading
+from bahrs_driver.transport.receiver import LinkCounters
 import pytest
 
 MS, SECOND = 1_000_000, 1_000_000_000

@@ -6,10 +6,10 @@ from pathlib import Path
 import re
 import sys
 
-from bahrs_driver.convert.bahrs import TOPICS as BAHRS_TOPICS
-from bahrs_driver.convert.titan_m import TOPICS as TITAN_TOPICS
-from bahrs_driver.parameter import Parameter
-from bahrs_driver.parameters import PARAMETERS
+from bahrs_driver.convert.bahrs.converter import TOPICS as BAHRS_TOPICS
+from bahrs_driver.convert.titan_m.converter import TOPICS as TITAN_TOPICS
+from bahrs_driver.settings.parameter import Parameter
+from bahrs_driver.settings.table import PARAMETERS
 
 README = Path(__file__).resolve().parents[1] / 'README.md'
 

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import math
 from typing import Any, TypeVar
 
-from bahrs_driver.cli.errors import CommandError
-from bahrs_driver.emulator.texts import number
-from bahrs_driver.printable import printable
+from bahrs_driver.errors import CommandError
+from bahrs_driver.process.printable import printable
+from bahrs_driver.virtual_serial.texts import number
 
 Value = TypeVar('Value')
 

@@ -10,21 +10,19 @@ import json
 from pathlib import Path
 import sys
 
+from bahrs_driver.bag.capture import Capture
+from bahrs_driver.bag.read_capture import read_capture
 from bahrs_driver.cli.convert_settings import read_settings, unused_options
-from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.node_options import checked_namespace
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.cli.sensors import sensor_of
-from bahrs_driver.files.guard import WriteError
+from bahrs_driver.devices import LISTENING, SENSORS
+from bahrs_driver.errors import CaptureError, CommandError, ParameterError, WriteError
 from bahrs_driver.files.new_directory import new_directory
-from bahrs_driver.link import Link
-from bahrs_driver.parameter import ParameterError
-from bahrs_driver.printable import printable
-from bahrs_driver.recording.capture import Capture, read_capture
-from bahrs_driver.recording.conversion import Conversion, Outcome
-from bahrs_driver.recording.errors import CaptureError
-from bahrs_driver.recording.outputs import BagOutput, CsvOutput
-from bahrs_driver.sensors import LISTENING, SENSORS
+from bahrs_driver.process.printable import printable
+from bahrs_driver.reprocess.conversion import Conversion, Outcome
+from bahrs_driver.reprocess.outputs import BagOutput, CsvOutput
+from bahrs_driver.transport.link import Link
 from rich.progress import TaskID
 
 

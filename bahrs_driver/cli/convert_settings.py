@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 import contextlib
 from typing import Any
 
-from bahrs_driver.cli.errors import CommandError
-from bahrs_driver.parameters import BY_NAME, defaults
-from bahrs_driver.printable import printable
-from bahrs_driver.sensors import LISTENING
+from bahrs_driver.devices import LISTENING
+from bahrs_driver.errors import CommandError
+from bahrs_driver.process.printable import printable
+from bahrs_driver.settings.table import BY_NAME, defaults
 from bahrs_driver.settings.unused import unknown_parameter, unused_parameters
 import yaml
 

@@ -14,15 +14,15 @@ from pathlib import Path
 import sys
 from typing import Any, BinaryIO
 
+from bahrs_driver.bag.bag_kind import is_bag
 from bahrs_driver.cli import decode_sensors
 from bahrs_driver.cli.decode_sensors import Decoder, DECODERS
-from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.files import binary_input
-from bahrs_driver.printable import printable
-from bahrs_driver.protocol.bahrs import TimeMessage
+from bahrs_driver.errors import CommandError
+from bahrs_driver.process.printable import printable
+from bahrs_driver.protocol.bahrs.messages import TimeMessage
 from bahrs_driver.protocol.framing import Frame, Framer
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.recording.bag_kind import is_bag
 
 _CHUNK = 65536
 TIME = 'device_time_us'

@@ -6,13 +6,13 @@ import argparse
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Protocol
 
-from bahrs_driver.protocol.bahrs import MESSAGES, TimeMessage
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat, frame_version
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat, frame_version
+from bahrs_driver.protocol.bahrs.messages import MESSAGES, TimeMessage
 from bahrs_driver.protocol.framing import Frame, Framer
-from bahrs_driver.protocol.payload_order import PayloadReader
-from bahrs_driver.protocol.titan_frames import answer_of, AnswerFormat, message_id
-from bahrs_driver.protocol.titan_m import ANSWERS, Gps, LAST_ZONE
-from bahrs_driver.recording.message_times import with_times
+from bahrs_driver.protocol.titan_m.byte_order import PayloadReader
+from bahrs_driver.protocol.titan_m.frames import answer_of, AnswerFormat, message_id
+from bahrs_driver.protocol.titan_m.messages import ANSWERS, Gps, LAST_ZONE
+from bahrs_driver.reprocess.message_times import with_times
 
 
 _OF_A_POSITION = ('easting', 'northing', 'altitude', 'velocity_ned_north', 'velocity_ned_east',

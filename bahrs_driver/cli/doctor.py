@@ -12,13 +12,13 @@ import os
 from pathlib import Path
 import sys
 
-from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.doctor import listening, ros_environment, ros_logging, usb_port
 from bahrs_driver.doctor.commands import RUN_DRIVER, run_driver
 from bahrs_driver.doctor.finding import Finding, Level, problem
 from bahrs_driver.doctor.machine import Machine
-from bahrs_driver.printable import printable
-from bahrs_driver.ros_start import check_import, RosStartError, start_errors
+from bahrs_driver.errors import CommandError, RosStartError
+from bahrs_driver.process.printable import printable
+from bahrs_driver.ros.start import check_import, start_errors
 from rich.console import Console
 from rich.text import Text
 

@@ -12,21 +12,21 @@ from typing import Any
 
 from bahrs_driver.cli import emulate_bahrs, emulate_titan_m
 from bahrs_driver.cli.arguments import a_number, checked, opened
-from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.outputs import add_force, live_output, output_file, same_output
-from bahrs_driver.emulator.cable import adapter_mode, Cable
-from bahrs_driver.emulator.control import COMMANDS, ControlError
+from bahrs_driver.emulator.control import COMMANDS
 from bahrs_driver.emulator.emulation import Emulation
-from bahrs_driver.emulator.faults import Faults, NAMES as FAULTS, parse_fault
 from bahrs_driver.emulator.flights import MOTIONS
 from bahrs_driver.emulator.noise import DEVIATIONS, Noise, parse_bias, parse_deviation
 from bahrs_driver.emulator.runner import ControlInput, PacedRun, run_to_file
 from bahrs_driver.emulator.scenario import parse, TimedCommand
 from bahrs_driver.emulator.session import Session
 from bahrs_driver.emulator.truth_file import HostTime, TruthFile
-from bahrs_driver.files.guard import reason, WriteError
-from bahrs_driver.printable import printable
-from bahrs_driver.shutdown_event import handled_signals
+from bahrs_driver.errors import CommandError, ControlError, WriteError
+from bahrs_driver.files.guard import reason
+from bahrs_driver.process.printable import printable
+from bahrs_driver.process.shutdown_event import handled_signals
+from bahrs_driver.virtual_serial.cable import adapter_mode, Cable
+from bahrs_driver.virtual_serial.faults import Faults, NAMES as FAULTS, parse_fault
 
 # The module of each device has add_arguments and make_device.
 _DEVICES: dict[str, Any] = {'bahrs': emulate_bahrs, 'titan_m': emulate_titan_m}

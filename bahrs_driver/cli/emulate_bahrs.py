@@ -5,17 +5,17 @@
 import argparse
 
 from bahrs_driver.cli.arguments import a_number, checked, opened
-from bahrs_driver.emulator.bahrs_device import BahrsDevice, BahrsHabits, START_UPS
-from bahrs_driver.emulator.bahrs_diagnostics import INACTIVITY, ServiceHabits
+from bahrs_driver.emulator.bahrs.device import BahrsDevice, BahrsHabits, START_UPS
+from bahrs_driver.emulator.bahrs.diagnostics_mode import INACTIVITY, ServiceHabits
+from bahrs_driver.emulator.bahrs.nvm_image import made_up_image, SIZE
+from bahrs_driver.emulator.bahrs.pulses import Pulses
 from bahrs_driver.emulator.device_clock import DeviceClock
 from bahrs_driver.emulator.motion import Motion
 from bahrs_driver.emulator.noise import Noise
-from bahrs_driver.emulator.nvm_image import made_up_image, SIZE
-from bahrs_driver.emulator.pulses import Pulses
-from bahrs_driver.emulator.texts import whole
 from bahrs_driver.emulator.truth_file import HostTime
-from bahrs_driver.protocol.bahrs import VERSIONS
-from bahrs_driver.protocol.nvm import PAGES
+from bahrs_driver.protocol.bahrs.messages import VERSIONS
+from bahrs_driver.protocol.bahrs.nvm_session import PAGES
+from bahrs_driver.virtual_serial.texts import whole
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

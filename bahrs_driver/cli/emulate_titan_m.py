@@ -9,11 +9,11 @@ from bahrs_driver.clock import BITS_PER_BYTE
 from bahrs_driver.emulator.ground_path import GroundPath
 from bahrs_driver.emulator.motion import Motion
 from bahrs_driver.emulator.noise import Noise
-from bahrs_driver.emulator.texts import number, whole
-from bahrs_driver.emulator.titan_device import TitanDevice, TitanHabits
-from bahrs_driver.emulator.titan_measures import TitanMeasures, WEEK_MS
+from bahrs_driver.emulator.titan_m.device import TitanDevice, TitanHabits
+from bahrs_driver.emulator.titan_m.measurements import TitanMeasures, WEEK_MS
 from bahrs_driver.emulator.truth_file import HostTime
-from bahrs_driver.protocol.titan_m import Gps, Sensors, State
+from bahrs_driver.protocol.titan_m.messages import Gps, Sensors, State
+from bahrs_driver.virtual_serial.texts import number, whole
 
 START = (47.2603, 11.3439)          # degrees; a runway in the mountains
 OUTPUT_RATES = {Sensors: 50.0, State: 50.0, Gps: 10.0}      # Hz, into a file

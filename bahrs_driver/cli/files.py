@@ -10,8 +10,8 @@ import termios
 from typing import BinaryIO
 
 from bahrs_driver.cli.arguments import opened
-from bahrs_driver.cli.errors import CommandError
-from bahrs_driver.printable import printable
+from bahrs_driver.errors import CommandError
+from bahrs_driver.process.printable import printable
 
 STANDARD_INPUT = '-'
 _LOCAL_MODES = 3        # index of these flags in what tcgetattr() returns

@@ -4,21 +4,20 @@
 
 import argparse
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
 from io import TextIOWrapper
 import os
 import sys
 from typing import NoReturn
 
-from bahrs_driver.cli.errors import CommandError
+from bahrs_driver import __version__
 from bahrs_driver.cli.signals import interrupt_on_signals
-from bahrs_driver.exit_timer import exit_after
-from bahrs_driver.printable import printable
-from bahrs_driver.recording.errors import CaptureError
-from bahrs_driver.ros_start import check_import, missing_module, RosStartError
+from bahrs_driver.errors import CaptureError, CommandError, RosStartError
+from bahrs_driver.process.exit_timer import exit_after
+from bahrs_driver.process.printable import printable
+from bahrs_driver.process.shutdown_event import ignore_signals
+from bahrs_driver.process.standard_streams import replace_closed_streams
+from bahrs_driver.ros.start import check_import, missing_module
 from bahrs_driver.settings.command_line import split
-from bahrs_driver.shutdown_event import ignore_signals
-from bahrs_driver.standard_streams import replace_closed_streams
 
 # Each verb is the module of its name; only the one asked for is imported, so that those that
 # need no ROS work without it.
@@ -106,18 +105,11 @@ def _run(verb: str, words: list[str], for_ros: list[str]) -> int:
     return status
 
 
-def _version() -> str:
-    try:
-        return version('bahrs_driver')
-    except PackageNotFoundError:        # run from its sources
-        return 'of no version'
-
-
 def _parser(chosen: str) -> argparse.ArgumentParser:
     parser = _Parser(
         prog='bahrs', description='Tools for the BAHRS and Titan-M sensors.', epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('--version', action='version', version=f'bahrs {_version()}')
+    parser.add_argument('--version', action='version', version=f'bahrs {__version__}')
     subparsers = parser.add_subparsers(dest='verb', metavar='VERB', required=True)
     for verb, summary in VERBS.items():
         subparser = subparsers.add_parser(

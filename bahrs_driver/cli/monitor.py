@@ -9,13 +9,13 @@ import math
 import os
 import time
 
-from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.node_options import add_node_options, selected_node, several_nodes
 from bahrs_driver.cli.ros import ros_session
+from bahrs_driver.errors import CommandError
 from bahrs_driver.monitor.page import Page
 from bahrs_driver.monitor.tables import no_driver_hint, record, tables
 from bahrs_driver.monitor.watch import Watch
-from bahrs_driver.ros_start import start_errors
+from bahrs_driver.ros.start import start_errors
 from diagnostic_msgs.msg import DiagnosticStatus
 import rclpy
 from rich.console import Console

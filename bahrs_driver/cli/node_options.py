@@ -6,9 +6,9 @@ import argparse
 from collections.abc import Sequence
 
 from bahrs_driver.cli import ros_arguments
-from bahrs_driver.cli.errors import CommandError
-from bahrs_driver.node_names import ROOT, Selection, split_name
-from bahrs_driver.printable import printable
+from bahrs_driver.errors import CommandError
+from bahrs_driver.process.printable import printable
+from bahrs_driver.ros.node_names import ROOT, Selection, split_name
 from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException
 from rclpy.validate_namespace import validate_namespace
 from rclpy.validate_node_name import validate_node_name

@@ -15,22 +15,22 @@ import threading
 from typing import Any
 
 from bahrs_driver.cli.arguments import a_number
-from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.files import binary_input
 from bahrs_driver.cli.outputs import add_force, is_standard_output, output_file
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.cli.signals import shutdown_on_signal
 from bahrs_driver.clock import ArrivalStamps
-from bahrs_driver.fault_log import FaultLog
-from bahrs_driver.link import Link, Reading
-from bahrs_driver.nvm_reader import NvmError, NvmReader, OnProgress, SessionOptions
-from bahrs_driver.printable import printable
-from bahrs_driver.protocol.bahrs import Inertial
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.errors import CommandError, NvmError
+from bahrs_driver.process.fault_log import FaultLog
+from bahrs_driver.process.printable import printable
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.messages import Inertial
+from bahrs_driver.protocol.bahrs.nvm_image import Assertions, Found, KNOWN_FORMAT, parse
+from bahrs_driver.protocol.bahrs.nvm_session import NvmSession, PAGE_SIZE, PAGES, State, VARIANTS
 from bahrs_driver.protocol.framing import Framer
-from bahrs_driver.protocol.nvm import NvmSession, PAGE_SIZE, PAGES, State, VARIANTS
-from bahrs_driver.protocol.nvm_image import Assertions, Found, KNOWN_FORMAT, parse
-from bahrs_driver.receiver import Received, Receiver
+from bahrs_driver.transport.link import Link, Reading
+from bahrs_driver.transport.nvm_reader import NvmReader, OnProgress, SessionOptions
+from bahrs_driver.transport.receiver import Received, Receiver
 
 LONGEST_ENTER = 600     # s
 OPEN_TIME = 30.0        # s until the port is open, or the reason is known why it is not

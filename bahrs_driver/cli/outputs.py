@@ -15,10 +15,10 @@ import os
 import sys
 from typing import TextIO
 
-from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.emulator.runner import Output
+from bahrs_driver.errors import CommandError, TargetExists, WriteError
 from bahrs_driver.files.atomic_file import atomic_file
-from bahrs_driver.files.guard import guard, TargetExists, WriteError
+from bahrs_driver.files.guard import guard
 from bahrs_driver.files.live_file import LiveFile
 
 STANDARD_OUTPUT = ('-', '/dev/stdout')

@@ -11,18 +11,17 @@ import math
 import sys
 import time
 
+from bahrs_driver.bag.bag_output import BagWriter
+from bahrs_driver.bag.recorder import RAW, Recorder
 from bahrs_driver.cli.arguments import positive
-from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.node_options import add_node_options, selected_node, several_nodes
 from bahrs_driver.cli.ros import ros_session
 from bahrs_driver.cli.signals import shutdown_on_signal
-from bahrs_driver.fault_log import FaultLog
-from bahrs_driver.printable import printable
-from bahrs_driver.recording.bag_output import BagWriter, ExistingFolderError
-from bahrs_driver.recording.errors import CaptureError
-from bahrs_driver.recording.recorder import RAW, Recorder
-from bahrs_driver.ros_start import start_errors
-from bahrs_driver.shutdown_event import ShutdownEvent
+from bahrs_driver.errors import CaptureError, CommandError, ExistingFolderError
+from bahrs_driver.process.fault_log import FaultLog
+from bahrs_driver.process.printable import printable
+from bahrs_driver.process.shutdown_event import ShutdownEvent
+from bahrs_driver.ros.start import start_errors
 from rich.console import Console
 from rich.markup import escape
 

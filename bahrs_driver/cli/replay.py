@@ -8,23 +8,24 @@ import json
 import sys
 import time
 
+from bahrs_driver.bag.capture import Capture, PIECE
+from bahrs_driver.bag.log_clock import LogClock
+from bahrs_driver.bag.read_capture import read_capture
 from bahrs_driver.cli.arguments import a_number, checked, positive
-from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.files import binary_input, STANDARD_INPUT
 from bahrs_driver.cli.sensors import sensor_of
 from bahrs_driver.clock import NANOSECONDS
-from bahrs_driver.emulator.cable import adapter_mode, AT_ONCE, Cable
-from bahrs_driver.emulator.faults import Faults, NAMES as FAULTS, parse_fault
-from bahrs_driver.emulator.pacing import paced, Piece, through
-from bahrs_driver.emulator.player import Player
-from bahrs_driver.emulator.pty_port import PtyPort
-from bahrs_driver.files.guard import reason, WriteError
-from bahrs_driver.printable import printable
-from bahrs_driver.protocol.bahrs_frames import BahrsFormat
+from bahrs_driver.errors import CommandError, WriteError
+from bahrs_driver.files.guard import reason
+from bahrs_driver.process.printable import printable
+from bahrs_driver.protocol.bahrs.frames import BahrsFormat
 from bahrs_driver.protocol.framing import FrameFormat, Framer
-from bahrs_driver.protocol.titan_frames import AnswerFormat
-from bahrs_driver.recording.capture import Capture, PIECE, read_capture
-from bahrs_driver.recording.log_clock import LogClock
+from bahrs_driver.protocol.titan_m.frames import AnswerFormat
+from bahrs_driver.virtual_serial.cable import adapter_mode, AT_ONCE, Cable
+from bahrs_driver.virtual_serial.faults import Faults, NAMES as FAULTS, parse_fault
+from bahrs_driver.virtual_serial.pacing import paced, Piece, through
+from bahrs_driver.virtual_serial.player import Player
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 
 BAUD_RATE = 115200
 LONGEST_UNREAD = 60.0       # s that a reader may take for the last bytes

@@ -8,12 +8,12 @@ import json
 import os
 from pathlib import Path
 
-from bahrs_driver.cli.errors import CommandError
+from bahrs_driver.bag.capture import Capture
+from bahrs_driver.bag.read_capture import read_capture
 from bahrs_driver.cli.outputs import add_force, is_standard_output, output_file
 from bahrs_driver.cli.progress import progress_bar
-from bahrs_driver.printable import printable
-from bahrs_driver.recording.capture import Capture, read_capture
-from bahrs_driver.recording.errors import CaptureError
+from bahrs_driver.errors import CaptureError, CommandError
+from bahrs_driver.process.printable import printable
 from bahrs_driver.report.clock import clock_story
 from bahrs_driver.report.findings import findings
 from bahrs_driver.report.gather import gather, Recording

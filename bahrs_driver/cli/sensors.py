@@ -4,9 +4,9 @@
 
 from collections.abc import Collection
 
-from bahrs_driver.cli.errors import CommandError
-from bahrs_driver.printable import printable
-from bahrs_driver.recording.capture import Capture
+from bahrs_driver.bag.capture import Capture
+from bahrs_driver.errors import CommandError
+from bahrs_driver.process.printable import printable
 
 DEFAULT_SENSOR = 'bahrs'
 

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import contextlib
 import signal
 
-from bahrs_driver.shutdown_event import handled_signals, ignore_signals, ShutdownEvent
+from bahrs_driver.process.shutdown_event import handled_signals, ignore_signals, ShutdownEvent
 
 
 def interrupt_on_signals() -> None:

@@ -12,8 +12,8 @@ from typing import Any
 from bahrs_driver.clock.host import HostClocks, step_sentence
 from bahrs_driver.clock.interface import Instant, Stamped, TimeState
 from bahrs_driver.clock.notices import Notices
-from bahrs_driver.clock.units import NANOSECONDS
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.units import NANOSECONDS
 
 
 class ArrivalClock:

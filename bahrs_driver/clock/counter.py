@@ -11,7 +11,7 @@ a silence that may have been a turn of the counter, mean that only a time messag
 
 from dataclasses import dataclass
 
-from bahrs_driver.clock.units import MILLISECOND, NANOSECONDS
+from bahrs_driver.units import MILLISECOND, NANOSECONDS
 
 MODULUS = 256
 PERIOD = 5 * MILLISECOND        # nominal, from one inertial sample to the next

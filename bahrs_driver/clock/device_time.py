@@ -14,7 +14,7 @@ from bahrs_driver.clock.counter import SampleCounter
 from bahrs_driver.clock.labels import Label, LabelReading
 from bahrs_driver.clock.navigation import NavigationCounter, PER_NAVIGATION
 from bahrs_driver.clock.timeline import Timeline
-from bahrs_driver.clock.units import MILLISECOND, NANOSECONDS
+from bahrs_driver.units import MILLISECOND, NANOSECONDS
 
 EARLIEST, LATEST = -3 * MILLISECOND, NANOSECONDS    # lateness of a sample of the same clock
 

@@ -17,9 +17,9 @@ from bahrs_driver.clock.bounds import ByteBounds
 from bahrs_driver.clock.host import HostClocks, step_sentence
 from bahrs_driver.clock.interface import Instant, Stamped, TimeState
 from bahrs_driver.clock.notices import Notices
-from bahrs_driver.clock.output import Output
-from bahrs_driver.clock.units import MICROSECOND, NANOSECONDS
+from bahrs_driver.clock.slewer import Output
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.units import MICROSECOND, NANOSECONDS
 
 REMEMBERED = 99         # answers, and reads
 

@@ -11,7 +11,7 @@ not of those before it, however the adapter cut the stream.
 from typing import Any
 
 from bahrs_driver.clock.counter import CountedSequence
-from bahrs_driver.protocol.bahrs import Inertial
+from bahrs_driver.protocol.bahrs.messages import Inertial
 from bahrs_driver.protocol.framing import Frame
 
 LATE_KINDS = 2          # messages of all kinds for each sample that may be held

@@ -8,7 +8,7 @@ in at the very end, so that doing so to it costs nothing.
 """
 
 from bahrs_driver.clock.interface import Instant
-from bahrs_driver.clock.units import MILLISECOND, NANOSECONDS
+from bahrs_driver.units import MILLISECOND, NANOSECONDS
 
 STEP = MILLISECOND / 2      # ns; a change above this, and above the fastest slew, is a step
 FASTEST_SLEW = 0.1          # what chrony and adjtime do is below

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from bahrs_driver.clock.labels import Label
-from bahrs_driver.clock.units import NANOSECONDS
+from bahrs_driver.units import NANOSECONDS
 
 
 @dataclass(frozen=True)

@@ -24,21 +24,21 @@ from typing import Any
 from bahrs_driver.clock.bounds import ByteBounds
 from bahrs_driver.clock.counter import SLACK
 from bahrs_driver.clock.device_time import DeviceTime, Verdict
+from bahrs_driver.clock.estimation.tracker import Tracker
 from bahrs_driver.clock.held import Held, HeldMessages
 from bahrs_driver.clock.host import HostClocks, step_sentence
 from bahrs_driver.clock.interface import Instant, Stamped, TimeState
 from bahrs_driver.clock.notices import Notices
 from bahrs_driver.clock.options import ClockOptions
-from bahrs_driver.clock.output import Output
+from bahrs_driver.clock.slewer import Output
 from bahrs_driver.clock.stamper import Stamper
 from bahrs_driver.clock.sync_pulses import SyncPulses
-from bahrs_driver.clock.tracker import Tracker
-from bahrs_driver.clock.units import MICROSECOND, NANOSECONDS
-from bahrs_driver.protocol.bahrs import (
+from bahrs_driver.protocol.bahrs.messages import (
     BahrsMessage, Inertial, InertialTime, Navigation, NavigationTime, SoftwareVersion,
     SyncPulseTime,
 )
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.units import MICROSECOND, NANOSECONDS
 
 SETTLING = 2 * NANOSECONDS          # after which an epoch is the rule, and its end worth a word
 CHUNKS = 99             # reads whose size is remembered

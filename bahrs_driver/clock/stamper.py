@@ -14,13 +14,13 @@ from dataclasses import dataclass
 
 from bahrs_driver.clock.counter import PERIOD
 from bahrs_driver.clock.device_time import DeviceTime
+from bahrs_driver.clock.estimation.tracker import Tracker
 from bahrs_driver.clock.held import Held
 from bahrs_driver.clock.interface import Instant
-from bahrs_driver.clock.output import IMPOSSIBLE, Output
+from bahrs_driver.clock.slewer import IMPOSSIBLE, Output
 from bahrs_driver.clock.sync_pulses import SyncPulses
-from bahrs_driver.clock.tracker import Tracker
-from bahrs_driver.clock.units import MILLISECOND, NANOSECONDS
-from bahrs_driver.protocol.bahrs import Inertial, SyncPulseTime
+from bahrs_driver.protocol.bahrs.messages import Inertial, SyncPulseTime
+from bahrs_driver.units import MILLISECOND, NANOSECONDS
 
 LONGEST_AGO = 10 * NANOSECONDS      # the oldest time that a message may have
 SAME = MILLISECOND      # device times that differ by less are of one sample

@@ -4,10 +4,11 @@
 
 from collections import deque
 
+from bahrs_driver.clock.estimation.pulses import (
+    DelayEstimate, PENDING, PulseReference, PulseTracker)
+from bahrs_driver.clock.estimation.tracker import Tracker
 from bahrs_driver.clock.host import HostClocks
-from bahrs_driver.clock.pulses import DelayEstimate, PENDING, PulseReference, PulseTracker
-from bahrs_driver.clock.tracker import Tracker
-from bahrs_driver.clock.units import MILLISECOND
+from bahrs_driver.units import MILLISECOND
 
 # What a pulse can say of the delay of the fastest samples. They are never early, and a pulse that
 # says so, or that they are very late, is not the one that it was taken for.

@@ -10,7 +10,7 @@ five seconds, as long as it is within 3 % of the nominal one.
 from collections import deque
 
 from bahrs_driver.clock.counter import PERIOD
-from bahrs_driver.clock.units import MICROSECOND
+from bahrs_driver.units import MICROSECOND
 
 HISTORY = 51                    # time messages, ten a second
 PERIOD_TOLERANCE = 0.03

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from bahrs_driver.diagnostics.task import NO_DATA, OK, STALE, Staleness, Verdict, WARN
-from bahrs_driver.printable import printable
-from bahrs_driver.protocol.bahrs import HardwareVersion, Navigation, SoftwareVersion
+from bahrs_driver.process.printable import printable
+from bahrs_driver.protocol.bahrs.messages import HardwareVersion, Navigation, SoftwareVersion
 
 # What no aircraft reaches: the pressure height read as int16 falls here above 4,500 m.
 IMPOSSIBLE_HEIGHT = -1000.0         # m

@@ -8,7 +8,7 @@ from bahrs_driver.diagnostics.task import ERROR, OK, STALE, Verdict, WARN
 from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.protocol.framing import Framer, FramingCounters
 from bahrs_driver.protocol.recognition import sensor_of
-from bahrs_driver.receiver import LinkCounters
+from bahrs_driver.transport.receiver import LinkCounters
 
 ENOUGH_BYTES = 200          # without a frame among them to say that something is wrong
 TEXT_SHARE = 0.95           # of printable bytes, from which on a stream is text

@@ -5,7 +5,7 @@
 from collections.abc import Mapping
 
 from bahrs_driver.diagnostics.task import ERROR, Task, Verdict
-from bahrs_driver.fault_log import FaultLog
+from bahrs_driver.process.fault_log import FaultLog
 
 
 class GuardedTask:

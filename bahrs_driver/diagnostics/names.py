@@ -7,7 +7,7 @@ The node is given by its bare name at the root. In a namespace it is given by it
 name (diagnostic_updater's use_fqn), or two drivers of the same name would share their entries.
 """
 
-from bahrs_driver.node_names import full_name, ROOT
+from bahrs_driver.ros.node_names import full_name, ROOT
 
 _SEPARATOR = ': '
 

@@ -5,7 +5,7 @@
 from collections.abc import Container, Mapping
 
 from bahrs_driver.diagnostics.task import OK, STALE, Verdict, WARN
-from bahrs_driver.fault_log import FaultLog
+from bahrs_driver.process.fault_log import FaultLog
 
 FAULT_LIFETIME = 10.0       # s that a fault is shown
 

@@ -8,8 +8,8 @@ from bahrs_driver.diagnostics.task import (
     ERROR, NO_DATA, OK, STALE, Staleness, Verdict, WARN,
 )
 from bahrs_driver.diagnostics.window import Window
-from bahrs_driver.protocol.poller import Poller, UNANSWERED
-from bahrs_driver.protocol.titan_m import REQUESTS
+from bahrs_driver.protocol.titan_m.messages import REQUESTS
+from bahrs_driver.protocol.titan_m.poller import Poller, UNANSWERED
 
 SLOW_NS = 10_000_000        # from a request to its answer, beyond their time on the line
 

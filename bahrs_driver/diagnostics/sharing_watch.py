@@ -12,9 +12,9 @@ then is /proc searched.
 from collections.abc import Callable
 import os
 
-from bahrs_driver.link import Link
 from bahrs_driver.protocol.framing import FramingCounters
 from bahrs_driver.transport.explain import described, list_command, MOST_NAMED
+from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.processes import holders, Process
 
 MANY = 5                # damaged or lost frames between two checks that call for a look

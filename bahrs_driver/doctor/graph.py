@@ -9,13 +9,13 @@ import shlex
 import time
 from typing import Any
 
-from bahrs_driver.convert.bahrs import TOPICS as BAHRS_TOPICS
-from bahrs_driver.convert.titan_m import TOPICS as TITAN_TOPICS
+from bahrs_driver.convert.bahrs.converter import TOPICS as BAHRS_TOPICS
+from bahrs_driver.convert.titan_m.converter import TOPICS as TITAN_TOPICS
+from bahrs_driver.devices.driver_graph import find_drivers, node_names, published
 from bahrs_driver.doctor import reports
 from bahrs_driver.doctor.commands import RUN_DRIVER, run_driver
 from bahrs_driver.doctor.finding import advice, Finding, good, problem
-from bahrs_driver.driver_graph import find_drivers, node_names, published
-from bahrs_driver.node_names import full_name
+from bahrs_driver.ros.node_names import full_name
 from rclpy.node import Node
 from rclpy.qos import qos_check_compatible, QoSCompatibility
 

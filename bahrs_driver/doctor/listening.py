@@ -14,11 +14,11 @@ from typing import NamedTuple
 
 from bahrs_driver.doctor.commands import run_doctor, run_driver
 from bahrs_driver.doctor.finding import Finding, good, problem
-from bahrs_driver.link import Link, LinkError
-from bahrs_driver.protocol.bahrs_frames import BahrsFormat
+from bahrs_driver.protocol.bahrs.frames import BahrsFormat
 from bahrs_driver.protocol.framing import Framer
-from bahrs_driver.protocol.titan_frames import AnswerFormat, build_request
-from bahrs_driver.protocol.titan_m import StateRequest
+from bahrs_driver.protocol.titan_m.frames import AnswerFormat, build_request
+from bahrs_driver.protocol.titan_m.messages import StateRequest
+from bahrs_driver.transport.link import Link, LinkError
 
 BAUD_RATES = (115200, 921600, 460800, 230400, 57600, 38400, 19200, 9600)
 LISTEN_TIME = 1.5           # s at each rate

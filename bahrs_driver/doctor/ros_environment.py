@@ -8,8 +8,8 @@ from pathlib import Path
 import re
 
 from bahrs_driver.doctor.finding import advice, Finding, good, problem
-from bahrs_driver.printable import printable
-from bahrs_driver.ros_start import middlewares, SAFE_DOMAIN, valid_domain
+from bahrs_driver.process.printable import printable
+from bahrs_driver.ros.start import middlewares, SAFE_DOMAIN, valid_domain
 
 PACKAGE = 'bahrs_driver'
 DISTRIBUTION = 'jazzy'

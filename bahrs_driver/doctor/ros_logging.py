@@ -8,7 +8,7 @@ import shlex
 import tempfile
 
 from bahrs_driver.doctor.finding import advice, Finding, good, problem
-from bahrs_driver.ros_start import log_directory, log_problem, SWITCHES
+from bahrs_driver.ros.start import log_directory, log_problem, SWITCHES
 
 
 def look(environment: Mapping[str, str]) -> Iterator[Finding]:

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import math
 from typing import NamedTuple
 
-from bahrs_driver.emulator.cable import Cable
 from bahrs_driver.emulator.device import Device, Emission
-from bahrs_driver.emulator.faults import Faults
+from bahrs_driver.virtual_serial.cable import Cable
+from bahrs_driver.virtual_serial.faults import Faults
 
 # What may become of a frame; overrun is one that the line was too slow for.
 INTACT, DAMAGED, DROPPED = 'intact', 'damaged', 'dropped'

@@ -10,11 +10,11 @@ import time
 from typing import Protocol
 
 from bahrs_driver.clock import NANOSECONDS
-from bahrs_driver.emulator.control import ControlError
-from bahrs_driver.emulator.pty_port import PtyPort
 from bahrs_driver.emulator.session import Session
 from bahrs_driver.emulator.truth_file import HostTime
-from bahrs_driver.host_time import SystemTime
+from bahrs_driver.errors import ControlError
+from bahrs_driver.process.host_time import SystemTime
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 
 _LONGEST_WAIT = 0.1     # s
 _WATCH = 0.0002         # s before bytes are due, from when on we do not trust to be woken in time

@@ -13,11 +13,8 @@ control line. Empty lines and what follows a # mean nothing.
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from bahrs_driver.emulator.control import check, ControlError
-
-
-class ScenarioError(ValueError):
-    """A scenario cannot be used. The text names the line and what would be right."""
+from bahrs_driver.emulator.control import check
+from bahrs_driver.errors import ControlError, ScenarioError
 
 
 class TimedCommand(NamedTuple):

@@ -12,11 +12,10 @@ symbolic link put where the target was absent, leads the data elsewhere.
 import contextlib
 import os
 
+from bahrs_driver.errors import WriteError
 from bahrs_driver.files.guard import (
-    check_target, guard, named_target, PathLike, split_target, TargetExists, temporary_name,
-    WriteError,
-)
-from bahrs_driver.printable import printable
+    already_exists, check_target, guard, named_target, PathLike, split_target, temporary_name)
+from bahrs_driver.process.printable import printable
 
 _DIRECTORY = os.O_PATH | os.O_DIRECTORY | os.O_CLOEXEC
 _NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
@@ -100,7 +99,7 @@ class AtomicFile:
             try:
                 os.close(self._open_new(self._name))
             except FileExistsError as error:
-                raise TargetExists(self._shown) from error
+                raise already_exists(self._shown) from error
 
     def _rename(self) -> None:
         with guard(self._shown):

@@ -10,7 +10,8 @@ from pathlib import Path
 import secrets
 import stat
 
-from bahrs_driver.printable import printable
+from bahrs_driver.errors import TargetExists, WriteError
+from bahrs_driver.process.printable import printable
 
 PathLike = str | Path
 SHARED_MEMORY = '/dev/shm/'     # the only directory below /dev for files
@@ -28,16 +29,9 @@ KINDS = {
     stat.S_IFSOCK: 'a socket', stat.S_IFCHR: 'a character device', stat.S_IFBLK: 'a block device'}
 
 
-class WriteError(Exception):
-    """A file cannot be written. The text is one sentence with the target and the reason."""
-
-
-class TargetExists(WriteError):
-    """The target exists, and must not be replaced."""
-
-    def __init__(self, target: PathLike) -> None:
-        """Compose the sentence."""
-        super().__init__(f'{printable(target)} exists already: choose another name')
+def already_exists(target: PathLike) -> TargetExists:
+    """Return the exception for a target that must not be replaced."""
+    return TargetExists(f'{printable(target)} exists already: choose another name')
 
 
 @contextlib.contextmanager
@@ -67,7 +61,7 @@ def check_target(name: str, shown: PathLike, replace: bool, directory: int | Non
                              f'{KINDS.get(stat.S_IFMT(mode), "no file")}, and only regular files '
                              'are written')
         if not replace:
-            raise TargetExists(shown)
+            raise already_exists(shown)
 
 
 def split_target(path: PathLike) -> tuple[str, str]:

@@ -5,10 +5,9 @@
 import os
 import stat
 
-from bahrs_driver.files.guard import (
-    check_target, guard, named_target, PathLike, TargetExists, WriteError,
-)
-from bahrs_driver.printable import printable
+from bahrs_driver.errors import WriteError
+from bahrs_driver.files.guard import already_exists, check_target, guard, named_target, PathLike
+from bahrs_driver.process.printable import printable
 
 # A FIFO that was put in place of the file a moment ago must not block.
 _HOW = os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
@@ -28,7 +27,7 @@ class LiveFile:
             try:
                 descriptor = os.open(target, _HOW | (0 if replace else os.O_EXCL), _MODE)
             except FileExistsError as error:
-                raise TargetExists(path) from error
+                raise already_exists(path) from error
             self._file = os.fdopen(descriptor, 'w', encoding='utf-8')
             if not stat.S_ISREG(os.fstat(descriptor).st_mode):
                 self._file.close()

@@ -9,7 +9,7 @@ from pathlib import Path
 import shutil
 
 from bahrs_driver.files.guard import (
-    guard, PathLike, split_target, TargetExists, temporary_name,
+    already_exists, guard, PathLike, split_target, temporary_name,
 )
 
 
@@ -27,7 +27,7 @@ def new_directory(target: PathLike) -> Iterator[Path]:
         with guard(target, 'make'):
             with contextlib.suppress(FileNotFoundError):
                 os.lstat(target)
-                raise TargetExists(target)
+                raise already_exists(target)
             for missing in _missing(parent):
                 os.mkdir(missing)
                 on_failure.callback(_remove_empty, missing)
@@ -60,7 +60,7 @@ def _move(made: Path, target: PathLike) -> None:
     try:
         os.mkdir(target)
     except FileExistsError as error:
-        raise TargetExists(target) from error
+        raise already_exists(target) from error
     try:
         os.rename(made, target)
     except BaseException:

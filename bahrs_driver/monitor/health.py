@@ -15,8 +15,8 @@ import time
 from typing import NamedTuple
 
 from bahrs_driver.diagnostics.names import parse_status_name
-from bahrs_driver.node_names import NodeChoice, split_name, USUAL_NAME
-from bahrs_driver.printable import printable
+from bahrs_driver.process.printable import printable
+from bahrs_driver.ros.node_names import NodeChoice, split_name, USUAL_NAME
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 # Tasks of every driver: a node of another name that has all of them is a driver.

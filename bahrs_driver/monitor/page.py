@@ -12,8 +12,8 @@ from bahrs_driver.monitor.tables import (
 )
 from bahrs_driver.monitor.values import number
 from bahrs_driver.monitor.watch import DATA_TIMEOUT, DRIVER_TIMEOUT, Watch
-from bahrs_driver.node_names import full_name, ROOT, USUAL_NAME
-from bahrs_driver.printable import printable
+from bahrs_driver.process.printable import printable
+from bahrs_driver.ros.node_names import full_name, ROOT, USUAL_NAME
 from diagnostic_msgs.msg import DiagnosticStatus
 from rich.console import Console, ConsoleOptions, RenderResult
 from rich.layout import Layout

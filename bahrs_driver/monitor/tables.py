@@ -6,7 +6,7 @@ import os
 from typing import Any
 
 from bahrs_driver.monitor.watch import Watch
-from bahrs_driver.printable import printable
+from bahrs_driver.process.printable import printable
 from diagnostic_msgs.msg import DiagnosticStatus
 from rich.console import Group
 from rich.table import Table

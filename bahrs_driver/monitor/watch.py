@@ -12,14 +12,14 @@ import math
 import time
 from typing import Any
 
-from bahrs_driver.convert.bahrs import LATCHED, TOPICS as BAHRS_TOPICS
-from bahrs_driver.convert.titan_m import TOPICS as TITAN_TOPICS
-from bahrs_driver.driver_graph import NodeSearch
+from bahrs_driver.convert.bahrs.converter import LATCHED, TOPICS as BAHRS_TOPICS
+from bahrs_driver.convert.titan_m.converter import TOPICS as TITAN_TOPICS
+from bahrs_driver.devices.driver_graph import NodeSearch
 from bahrs_driver.monitor.health import Health
 from bahrs_driver.monitor.tally import Tally
 from bahrs_driver.monitor.values import Attitude, attitude, attitude_text, FORMATS, vertical_force
-from bahrs_driver.node_names import full_name, NodeChoice, ROOT, Selection, split_name
-from bahrs_driver.printable import printable
+from bahrs_driver.process.printable import printable
+from bahrs_driver.ros.node_names import full_name, NodeChoice, ROOT, Selection, split_name
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node

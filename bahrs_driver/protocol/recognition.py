@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which of the devices bytes are from, told by whole frames."""
 
-from bahrs_driver.protocol.bahrs_frames import BahrsFormat
+from bahrs_driver.protocol.bahrs.frames import BahrsFormat
 from bahrs_driver.protocol.framing import Framer
-from bahrs_driver.protocol.titan_frames import AnswerFormat
+from bahrs_driver.protocol.titan_m.frames import AnswerFormat
 
 
 def sensor_of(data: bytes) -> str:

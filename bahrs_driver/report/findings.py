@@ -4,8 +4,8 @@
 
 from collections.abc import Iterator
 
-from bahrs_driver.printable import printable
-from bahrs_driver.protocol.bahrs import (
+from bahrs_driver.process.printable import printable
+from bahrs_driver.protocol.bahrs.messages import (
     FORCE, FORCE_2, HEIGHT, HEIGHT_OFFSET, RATE, RATE_2, VELOCITY,
 )
 from bahrs_driver.protocol.integrity import Integrity

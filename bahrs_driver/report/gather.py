@@ -8,16 +8,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from bahrs_driver.protocol.bahrs import (
+from bahrs_driver.bag.capture import Capture
+from bahrs_driver.protocol.bahrs.frames import (
+    BahrsCodec, BahrsFormat, frame_size, frame_version, HEADER, MARKER,
+)
+from bahrs_driver.protocol.bahrs.messages import (
     Accuracy, HardwareVersion, Inertial, InertialTime, Navigation, NavigationTime,
     SoftwareVersion, SyncPulseTime,
 )
-from bahrs_driver.protocol.bahrs_frames import (
-    BahrsCodec, BahrsFormat, frame_size, frame_version, HEADER, MARKER,
-)
 from bahrs_driver.protocol.batch import Batch
 from bahrs_driver.protocol.framing import Framer, FramingCounters
-from bahrs_driver.recording.capture import Capture
 from bahrs_driver.report.timeline import Array, Timeline, timeline
 import numpy as np
 

@@ -8,7 +8,7 @@ from html import escape
 import io
 import time
 
-from bahrs_driver.printable import printable
+from bahrs_driver.process.printable import printable
 from bahrs_driver.report import noise, plots
 from bahrs_driver.report.clock import clock_story, ClockStory
 from bahrs_driver.report.finding import clock_time

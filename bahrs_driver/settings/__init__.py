@@ -3,5 +3,5 @@
 """
 What the user sets: read from the command line and files, checked, and none ignored in silence.
 
-The table of what there is to set is bahrs_driver.parameters.
+The table of what there is to set is bahrs_driver.settings.table.
 """

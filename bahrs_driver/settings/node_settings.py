@@ -5,9 +5,9 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from bahrs_driver.parameters import PARAMETERS
 from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.qos_overrides import check_qos_overrides
+from bahrs_driver.settings.table import PARAMETERS
 from bahrs_driver.settings.unused import unknown_parameter, unused_parameters
 from bahrs_driver.settings.unused_arguments import unused_arguments
 from rclpy.node import Node

@@ -12,7 +12,7 @@ from pathlib import Path
 import re
 from typing import Any
 
-from bahrs_driver.printable import printable
+from bahrs_driver.process.printable import printable
 import yaml
 
 LARGEST = 10_000_000        # bytes; what is larger is no parameter file

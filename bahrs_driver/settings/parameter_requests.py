@@ -10,9 +10,9 @@ nothing reads.
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from bahrs_driver.parameter import ParameterError
-from bahrs_driver.parameters import BY_NAME
-from bahrs_driver.printable import printable
+from bahrs_driver.errors import ParameterError
+from bahrs_driver.process.printable import printable
+from bahrs_driver.settings.table import BY_NAME
 from bahrs_driver.settings.unused import unknown_parameter, why_unused
 from rcl_interfaces.msg import Parameter as ParameterMessage, SetParametersResult
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically

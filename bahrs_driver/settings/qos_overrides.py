@@ -9,7 +9,7 @@ rclpy raises exceptions of many kinds for a bad one, and the middleware adds lin
 from collections.abc import Mapping
 from typing import Any
 
-from bahrs_driver.parameter import Parameter
+from bahrs_driver.settings.parameter import Parameter
 
 PREFIX = 'qos_overrides.'
 DEEPEST = 2 ** 31 - 1

@@ -5,8 +5,8 @@
 from collections.abc import Sequence
 import re
 
-from bahrs_driver.parameter import ParameterError
-from bahrs_driver.printable import printable
+from bahrs_driver.errors import ParameterError
+from bahrs_driver.process.printable import printable
 from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.parameter_files import problem
 from rclpy._rclpy_pybind11 import UnknownROSArgsError

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import re
 from typing import NamedTuple
 
-from bahrs_driver.printable import printable
+from bahrs_driver.process.printable import printable
 from bahrs_driver.settings.command_line import FILE_FLAG, RosArguments
 from bahrs_driver.settings.parameter_files import load_text, matches_node, VALUES_KEY
 import yaml

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
 from typing import Any
 
-from bahrs_driver.parameter import Parameter, shown
-from bahrs_driver.parameters import PARAMETERS, TITAN_M
-from bahrs_driver.printable import printable
+from bahrs_driver.process.printable import printable
+from bahrs_driver.settings.parameter import Parameter, shown
 from bahrs_driver.settings.qos_overrides import PREFIX
+from bahrs_driver.settings.table import PARAMETERS, TITAN_M
 
 RATES = ('state.rate', 'sensors.rate', 'gps.rate')
 # Parameters for what only one kind of answer of a titan_m has.

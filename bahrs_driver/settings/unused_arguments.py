@@ -5,7 +5,7 @@
 from collections.abc import Iterator
 import re
 
-from bahrs_driver.printable import printable
+from bahrs_driver.process.printable import printable
 from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.parameter_files import matches_node, other_nodes
 from bahrs_driver.settings.type_clashes import lost_values

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from urllib.parse import parse_qs, SplitResult, urlsplit
 import warnings
 
-from bahrs_driver.printable import printable
+from bahrs_driver.process.printable import printable
 
 SCHEMES = ('socket', 'rfc2217', 'hwgrep')
 TEST_SCHEME = 'loop'

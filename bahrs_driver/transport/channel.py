@@ -11,7 +11,7 @@ import termios
 import time
 from typing import Protocol
 
-from bahrs_driver.host_time import host_instant
+from bahrs_driver.process.host_time import host_instant
 from bahrs_driver.transport.reading import Reading
 from bahrs_driver.transport.waker import Waker
 

@@ -4,11 +4,8 @@
 
 import re
 
+from bahrs_driver.errors import DeviceNotFound
 from serial.tools import list_ports
-
-
-class DeviceNotFound(Exception):
-    """No device matches."""
 
 
 def find_device(pattern: re.Pattern[str], turn: int) -> str:

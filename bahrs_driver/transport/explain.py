@@ -18,9 +18,8 @@ import stat
 import termios
 from typing import NamedTuple
 
-from bahrs_driver.printable import printable
-from bahrs_driver.transport.device_search import DeviceNotFound
-from bahrs_driver.transport.errors import LinkError
+from bahrs_driver.errors import DeviceNotFound, LinkError
+from bahrs_driver.process.printable import printable
 from bahrs_driver.transport.processes import holders, Process
 from bahrs_driver.transport.tcp import CONNECT_TIMEOUT, ConnectionClosed, DEAD_AFTER
 

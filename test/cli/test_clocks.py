@@ -4,12 +4,12 @@
 
 import signal
 
-from bahrs_driver.convert.bahrs import TOPICS
-from bahrs_driver.emulator.pty_port import PtyPort
-from devices import Device
-from processes import driver, listening, running, wait_for
+from bahrs_driver.convert.bahrs.converter import TOPICS
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 import pytest
-from set_clock import SettableClock
+from support.devices import Device
+from support.processes import driver, listening, running, wait_for
+from support.set_clock import SettableClock
 
 HOUR = 3600.0           # s
 

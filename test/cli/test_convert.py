@@ -7,21 +7,21 @@ import csv
 import json
 import os
 
-from bags import write_bag
+from bahrs_driver.bag.bag_output import BagWriter
+from bahrs_driver.bag.read_metadata import Origin
+from bahrs_driver.bag.serialization import serialized
+from bahrs_driver.bag.topics import Topic
 from bahrs_driver.convert import raw
-from bahrs_driver.convert.bahrs import TOPICS
-from bahrs_driver.emulator.pty_port import PtyPort
-from bahrs_driver.recording.bag_output import BagWriter
-from bahrs_driver.recording.origin import Origin
-from bahrs_driver.recording.serialization import serialized
-from bahrs_driver.recording.topics import Topic
-from devices import DEEP, Device
-from emulated import emissions, make_device
+from bahrs_driver.convert.bahrs.converter import TOPICS
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 from mcap.reader import make_reader
-from processes import driver, running, wait_for
 import pytest
 from rosbags.rosbag2 import Reader, StoragePlugin
 from rosbags.typesys import get_typestore, Stores
+from support.bags import write_bag
+from support.devices import DEEP, Device
+from support.emulated import emissions, make_device
+from support.processes import driver, running, wait_for
 
 LONG = 60.0
 S = 1_000_000_000

@@ -6,19 +6,18 @@ from pathlib import Path
 import re
 
 from bahrs_driver.cli.convert_settings import read_settings
-from bahrs_driver.cli.errors import CommandError
-from bahrs_driver.link import Link
-from bahrs_driver.parameter import ParameterError
-from bahrs_driver.parameters import defaults, PARAMETERS
-from bahrs_driver.sensors import SENSORS
+from bahrs_driver.devices import SENSORS
+from bahrs_driver.errors import CommandError, ParameterError
+from bahrs_driver.settings.table import defaults, PARAMETERS
+from bahrs_driver.transport.link import Link
 from hypothesis import given, settings, strategies as st
 import pytest
-from recorded_settings import RecordedSettings, values_of
+from support.recorded_settings import RecordedSettings, values_of
 
 PACKAGE = Path(__file__).resolve().parents[2] / 'bahrs_driver'
 # Read by a conversion, not by the parts of a sensor.
 OF_CONVERSION = {'sensor', 'baud_rate'} | {
-    name for path in (PACKAGE / 'recording').glob('*.py')
+    name for path in (PACKAGE / 'reprocess').glob('*.py')
     for name in re.findall(r"settings\['([a-z_.]+)'\]", path.read_text())}
 
 

@@ -11,18 +11,18 @@ from signal import SIGKILL
 import subprocess
 import tempfile
 
-from bags import every_form
 from bahrs_driver.cli.main import main
-from bahrs_driver.protocol.bahrs import (
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, build_frame
+from bahrs_driver.protocol.bahrs.messages import (
     Accuracy, HardwareVersion, Inertial, InertialTime, Navigation, NavigationTime, NvmPage,
     SoftwareVersion, SyncPulseTime,
 )
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec, build_frame
 from bahrs_driver.protocol.integrity import Integrity
 from hypothesis import given, HealthCheck, settings, strategies as st
-from processes import command, PATIENCE, wait_for
 import pytest
-from shared_files import shared_file
+from support.bags import every_form
+from support.processes import command, PATIENCE, wait_for
+from support.shared_files import shared_file
 
 SAFE, RISK, GONE = Integrity.SAFE, Integrity.INTEGRITY_RISK, Integrity.UNAVAILABLE
 MESSAGES = [

@@ -5,10 +5,10 @@
 import json
 import subprocess
 
-from bahrs_driver.emulator.pty_port import PtyPort
-from devices import Device
-from processes import command, running, wait_for
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 import pytest
+from support.devices import Device
+from support.processes import command, running, wait_for
 
 
 def doctor(*words):

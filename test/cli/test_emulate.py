@@ -12,17 +12,17 @@ import sys
 import time
 
 from bahrs_driver.cli.main import main
-from bahrs_driver.protocol.bahrs import (
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.messages import (
     EnterDiagnostics,
     Navigation,
     NvmPage,
     NvmReadRequest,
     SoftwareVersion,
 )
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.framing import Framer
-from processes import PATIENCE, wait_for
 import pytest
+from support.processes import PATIENCE, wait_for
 
 MAIN = 'import sys; from bahrs_driver.cli.main import main; sys.exit(main())'
 BYTES_PER_SECOND = 8680         # of version 3

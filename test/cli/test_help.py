@@ -7,8 +7,8 @@ import shlex
 import subprocess
 
 from bahrs_driver.cli.main import _parser, main, VERBS
-from processes import command
 import pytest
+from support.processes import command
 
 NO_EXAMPLES_FOR = re.compile(r'\s{2,}')         # what an example is for stands behind it
 

@@ -6,11 +6,11 @@ import contextlib
 import json
 import subprocess
 
-from bahrs_driver.convert.bahrs import TOPICS
-from bahrs_driver.emulator.pty_port import PtyPort
-from devices import Device
-from processes import command, driver, running, wait_for
+from bahrs_driver.convert.bahrs.converter import TOPICS
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 import pytest
+from support.devices import Device
+from support.processes import command, driver, running, wait_for
 
 
 def watched(*words):

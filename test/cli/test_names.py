@@ -6,13 +6,13 @@ import itertools
 import os
 import subprocess
 
-from bags import write_mcap
-from bahrs_driver.printable import printable
-from bahrs_driver.recording.capture import read_capture
-from emulated import emissions, make_device
-from processes import command, running, wait_for
+from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.process.printable import printable
 import pytest
 from rosbags.rosbag2 import Reader
+from support.bags import write_mcap
+from support.emulated import emissions, make_device
+from support.processes import command, running, wait_for
 
 # Bytes that are no UTF-8, an escape sequence, a line feed, markup of rich, a mark that mirrors.
 NAME, SHOWN = b'\xff\x1b[31m\n[bold]\xe2\x80\xae', r'\xff\x1b[31m\x0a[bold]\u202e'

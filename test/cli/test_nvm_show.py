@@ -7,7 +7,7 @@ import struct
 import zlib
 
 from bahrs_driver.cli.main import main
-from bahrs_driver.emulator.nvm_image import made_up_image
+from bahrs_driver.emulator.bahrs.nvm_image import made_up_image
 import pytest
 
 LOG = slice(80, 596)            # position and text of the assertions

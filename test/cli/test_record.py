@@ -12,20 +12,20 @@ import resource
 import signal
 import time
 
+from bahrs_driver.bag.read_capture import read_capture
 from bahrs_driver.cli.record import new_bag
-from bahrs_driver.convert.bahrs import TOPICS
-from bahrs_driver.emulator.pty_port import PtyPort
-from bahrs_driver.protocol.bahrs import FORCE
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.convert.bahrs.converter import TOPICS
+from bahrs_driver.errors import CaptureError
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.messages import FORCE
 from bahrs_driver.protocol.framing import Framer
-from bahrs_driver.recording.capture import read_capture
-from bahrs_driver.recording.errors import CaptureError
-from devices import DEEP, Device
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 from mcap.reader import make_reader
-from processes import driver, running, wait_for
 import pytest
 from rosbags.rosbag2 import Reader
-from set_clock import SettableClock
+from support.devices import DEEP, Device
+from support.processes import driver, running, wait_for
+from support.set_clock import SettableClock
 import yaml
 
 LONG = 60.0

@@ -8,18 +8,18 @@ import os
 import signal
 import time
 
+from bahrs_driver.bag.bag_output import BagWriter
+from bahrs_driver.bag.read_metadata import Origin
+from bahrs_driver.bag.serialization import serialized
+from bahrs_driver.bag.topics import Topic
 from bahrs_driver.convert import raw
-from bahrs_driver.link import Link, LinkError
-from bahrs_driver.protocol.bahrs import Inertial, Navigation
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.recording.bag_output import BagWriter
-from bahrs_driver.recording.origin import Origin
-from bahrs_driver.recording.serialization import serialized
-from bahrs_driver.recording.topics import Topic
-from processes import running, wait_for
+from bahrs_driver.transport.link import Link, LinkError
 import pytest
+from support.processes import running, wait_for
 
 SAFE = (Integrity.SAFE,) * 6
 SETTLE = 0.5        # s after the port was opened

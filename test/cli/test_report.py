@@ -7,9 +7,9 @@ import json
 import subprocess
 
 from bahrs_driver.cli.report import _target
-from emulated import make_emulation, on_the_wire
-from processes import command
 import pytest
+from support.emulated import make_emulation, on_the_wire
+from support.processes import command
 
 
 def report(*words):

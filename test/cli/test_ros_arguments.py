@@ -6,9 +6,9 @@ from bahrs_driver.cli.main import ROS_NODES, VERBS
 from bahrs_driver.cli.ros_arguments import namespace
 from bahrs_driver.settings.command_line import split
 from hypothesis import given, strategies as st
-from processes import running
 import pytest
 from rclpy.utilities import remove_ros_args
+from support.processes import running
 
 LAUNCHED = ['--ros-args', '-r', '__node:=launched', '-r', '__ns:=/left', '-p', 'x:=1']
 

@@ -6,8 +6,8 @@ import contextlib
 import time
 
 from hypothesis import given, HealthCheck, settings, strategies as st
-from processes import running, wait_for
 import pytest
+from support.processes import running, wait_for
 
 LONG = 120.0
 ODD = st.one_of(st.sampled_from([

@@ -7,9 +7,9 @@ import os
 from pathlib import Path
 import signal
 
-from bahrs_driver.shutdown_event import handled_signals
-from processes import command, Process, wait_for
+from bahrs_driver.process.shutdown_event import handled_signals
 import pytest
+from support.processes import command, Process, wait_for
 
 
 @pytest.mark.parametrize(('before', 'kinds'), [

@@ -11,17 +11,17 @@ import tempfile
 import threading
 
 from bahrs_driver.cli import report
-from bahrs_driver.cli.errors import CommandError
 from bahrs_driver.cli.main import main
 from bahrs_driver.cli.outputs import output_file
-from bahrs_driver.emulator.bahrs_diagnostics import DiagnosticsMode, ServiceHabits
-from bahrs_driver.emulator.pty_port import PtyPort
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec
-from emulated import emissions, make_device
+from bahrs_driver.emulator.bahrs.diagnostics_mode import DiagnosticsMode, ServiceHabits
+from bahrs_driver.errors import CommandError
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 from hypothesis import given, settings, strategies
-from processes import command, PATIENCE
 import pytest
-from targets import (
+from support.emulated import emissions, make_device
+from support.processes import command, PATIENCE
+from support.targets import (
     EVERY_KIND, IMPOSSIBLE, no_larger_file_than, NOT_REGULAR, REGULAR, snapshot, umask,
     unprivileged,
 )

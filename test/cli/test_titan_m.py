@@ -8,11 +8,11 @@ import json
 import math
 import subprocess
 
-from bahrs_driver.protocol.titan_frames import build_answer
-from bahrs_driver.protocol.titan_m import Gps, State
-from processes import command
+from bahrs_driver.protocol.titan_m.frames import build_answer
+from bahrs_driver.protocol.titan_m.messages import Gps, State
 import pytest
-from shared_files import shared_file
+from support.processes import command
+from support.shared_files import shared_file
 
 STATE = State((1.0, 2.0, -3.0), (0.5, -0.25, 0.0), (0.125, -0.5, 1.5), (0.0, 0.0625, -1.0))
 NOTHING = State(*[(0.0,) * 3] * 4)

@@ -4,7 +4,7 @@
 
 from bahrs_driver.clock import ClockOptions, Instant, SampleClock
 from bahrs_driver.clock.held import LATE_KINDS
-from bahrs_driver.protocol.bahrs import (
+from bahrs_driver.protocol.bahrs.messages import (
     Inertial,
     InertialTime,
     Navigation,
@@ -14,7 +14,7 @@ from bahrs_driver.protocol.bahrs import (
 from bahrs_driver.protocol.framing import Frame
 from clock_simulation import Case
 from hypothesis import given, settings, strategies as st
-from simulated import simulated
+from support.simulated import simulated
 
 FAULTS_END = 8.0
 MOST_WAITING = LATE_KINDS * ClockOptions().most_held

@@ -3,12 +3,12 @@
 """The clock on the stream of a real device, read through a simulated adapter and host."""
 
 from bahrs_driver.clock import SampleClock
-from bahrs_driver.protocol.bahrs import Inertial, InertialTime, Navigation
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.messages import Inertial, InertialTime, Navigation
 from bahrs_driver.protocol.framing import Framer
 from clock_simulation import BYTE_TIME, Case, ORIGIN, Sent, Simulation
 import pytest
-from shared_files import shared_file
+from support.shared_files import shared_file
 
 DRIFT = 25e-6
 SECONDS = 60

@@ -4,7 +4,7 @@
 
 from clock_simulation import Case, ORIGIN, Read, Simulation
 import pytest
-from simulated import simulated
+from support.simulated import simulated
 
 BEGIN = 12.0            # s
 TERMINAL, SOCKET = 4096, 10 ** 6        # bytes that wait in the system

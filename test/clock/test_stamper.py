@@ -3,7 +3,7 @@
 """Which stamp each kind of message gets, with literal times through the whole clock."""
 
 from bahrs_driver.clock import Instant, SampleClock
-from bahrs_driver.protocol.bahrs import Inertial, InertialTime, Navigation, SyncPulseTime
+from bahrs_driver.protocol.bahrs.messages import Inertial, InertialTime, Navigation, SyncPulseTime
 from bahrs_driver.protocol.framing import Frame
 from hypothesis import given, strategies as st
 

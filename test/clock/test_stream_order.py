@@ -3,7 +3,7 @@
 """Messages leave the clock in the order of the stream, however the adapter cut it."""
 
 from bahrs_driver.clock import ClockOptions, Instant, SampleClock
-from bahrs_driver.protocol.bahrs import (
+from bahrs_driver.protocol.bahrs.messages import (
     Accuracy, Acknowledgement, Inertial, InertialTime, Navigation, NavigationTime,
 )
 from bahrs_driver.protocol.framing import Frame

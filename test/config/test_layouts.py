@@ -9,8 +9,8 @@ import re
 from typing import Any
 from xml.etree import ElementTree
 
-from bahrs_driver.convert.bahrs import TOPICS
-from bahrs_driver.protocol.bahrs import Inertial, Navigation
+from bahrs_driver.convert.bahrs.converter import TOPICS
+from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Quaternion
 import pytest

@@ -11,22 +11,22 @@ import math
 
 from bahrs_driver.convert import completeness
 from bahrs_driver.convert.axes import CONVENTIONS
-from bahrs_driver.convert.bahrs import BahrsConverter, TOPICS as BAHRS_TOPICS
-from bahrs_driver.convert.titan_m import TitanConverter, TOPICS as TITAN_TOPICS
-from bahrs_driver.convert.worth import Appraisal
-from bahrs_driver.protocol.bahrs import Accuracy, Inertial, Navigation
+from bahrs_driver.convert.bahrs.converter import BahrsConverter, TOPICS as BAHRS_TOPICS
+from bahrs_driver.convert.bahrs.integrity_policy import Appraisal
+from bahrs_driver.convert.titan_m.converter import TitanConverter, TOPICS as TITAN_TOPICS
+from bahrs_driver.protocol.bahrs.messages import Accuracy, Inertial, Navigation
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.protocol.payload_order import PayloadReader
-from bahrs_driver.protocol.titan_frames import Answer
-from bahrs_driver.protocol.titan_m import Gps, LAYOUTS, Sensors, State
-from device_examples import (
-    ACCURACY, BAHRS_OPTIONS, DEVIATIONS, GPS, INERTIAL, NAVIGATION, SENSORS, STATE, TITAN_OPTIONS,
-)
+from bahrs_driver.protocol.titan_m.byte_order import PayloadReader
+from bahrs_driver.protocol.titan_m.frames import Answer
+from bahrs_driver.protocol.titan_m.messages import Gps, LAYOUTS, Sensors, State
 from diagnostic_msgs.msg import DiagnosticArray
 from hypothesis import given, strategies as st
 import numpy as np
 import pytest
 from sensor_msgs.msg import Imu, NavSatFix, TimeReference
+from support.device_examples import (
+    ACCURACY, BAHRS_OPTIONS, DEVIATIONS, GPS, INERTIAL, NAVIGATION, SENSORS, STATE, TITAN_OPTIONS,
+)
 
 STAMP, STEP = 1_700_000_000_000_000_000, 5_000_000
 PARTIAL = {NavSatFix, TimeReference, DiagnosticArray}      # published as they are

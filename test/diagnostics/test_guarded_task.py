@@ -5,7 +5,7 @@
 from bahrs_driver.diagnostics.guarded_task import GuardedTask
 from bahrs_driver.diagnostics.monitor import Monitor
 from bahrs_driver.diagnostics.task import ERROR, OK, Verdict
-from bahrs_driver.fault_log import FaultLog
+from bahrs_driver.process.fault_log import FaultLog
 from hypothesis import given, strategies as st
 
 

@@ -3,7 +3,7 @@
 """Tests of the names of statuses."""
 
 from bahrs_driver.diagnostics.names import node_label, parse_status_name, status_name
-from bahrs_driver.node_names import full_name, split_name
+from bahrs_driver.ros.node_names import full_name, split_name
 from hypothesis import given, strategies as st
 import pytest
 

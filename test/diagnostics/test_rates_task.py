@@ -5,7 +5,7 @@
 from bahrs_driver.diagnostics.losses import missing
 from bahrs_driver.diagnostics.rates_task import RatesTask
 from bahrs_driver.diagnostics.task import OK, STALE, WARN
-from bahrs_driver.protocol.bahrs import Acknowledgement, Inertial
+from bahrs_driver.protocol.bahrs.messages import Acknowledgement, Inertial
 from bahrs_driver.protocol.integrity import Integrity
 import pytest
 

@@ -13,12 +13,12 @@ from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.signals_task import SignalsTask
 from bahrs_driver.diagnostics.task import ERROR, OK, STALE, WARN
 from bahrs_driver.diagnostics.window import Window
-from bahrs_driver.fault_log import FaultLog
-from bahrs_driver.protocol.bahrs import HardwareVersion, Navigation, SoftwareVersion
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec
+from bahrs_driver.process.fault_log import FaultLog
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec
+from bahrs_driver.protocol.bahrs.messages import HardwareVersion, Navigation, SoftwareVersion
 from bahrs_driver.protocol.framing import FramingCounters
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.receiver import LinkCounters, SAMPLE_SIZE
+from bahrs_driver.transport.receiver import LinkCounters, SAMPLE_SIZE
 import pytest
 
 SAFE, RISK = Integrity.SAFE, Integrity.INTEGRITY_RISK

@@ -12,7 +12,7 @@ from bahrs_driver.doctor.commands import run_doctor, run_driver
 from bahrs_driver.doctor.machine import Machine, User
 from bahrs_driver.doctor.reports import Reports
 from bahrs_driver.doctor.usb_port import look
-from bahrs_driver.printable import printable
+from bahrs_driver.process.printable import printable
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from hypothesis import given, settings, strategies as st
 from rclpy.serialization import serialize_message

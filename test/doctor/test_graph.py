@@ -4,15 +4,15 @@
 
 import contextlib
 
+from bahrs_driver.devices.driver_graph import find_drivers, node_names
 from bahrs_driver.doctor.finding import Level
 from bahrs_driver.doctor.graph import look
-from bahrs_driver.driver_graph import find_drivers, node_names
-from processes import running, wait_for
 import pytest
 import rclpy
 from rclpy.context import Context
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import FluidPressure, Imu
+from support.processes import running, wait_for
 
 
 @contextlib.contextmanager

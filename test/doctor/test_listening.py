@@ -5,10 +5,10 @@
 from bahrs_driver.doctor import listening
 from bahrs_driver.doctor.finding import Level
 from bahrs_driver.doctor.listening import Heard, look
-from bahrs_driver.emulator.pty_port import PtyPort
-from devices import Device
-from processes import running, wait_for
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 import pytest
+from support.devices import Device
+from support.processes import running, wait_for
 
 
 def test_a_device_that_speaks():

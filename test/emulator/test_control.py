@@ -5,15 +5,16 @@
 import io
 import json
 
-from bahrs_driver.emulator.cable import PACKETS
-from bahrs_driver.emulator.control import check, ControlError, execute
-from bahrs_driver.emulator.scenario import parse, ScenarioError, TimedCommand
+from bahrs_driver.emulator.control import check, execute
+from bahrs_driver.emulator.scenario import parse, TimedCommand
 from bahrs_driver.emulator.session import Session
 from bahrs_driver.emulator.truth_file import HostTime, TruthFile
-from bahrs_driver.protocol.bahrs import Inertial, Navigation, SoftwareVersion
+from bahrs_driver.errors import ControlError, ScenarioError
+from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation, SoftwareVersion
 from bahrs_driver.protocol.integrity import Integrity
-from emulated import decoded, make_device, make_emulation, on_the_wire
+from bahrs_driver.virtual_serial.cable import PACKETS
 import pytest
+from support.emulated import decoded, make_device, make_emulation, on_the_wire
 
 SAFE, RISK, UNAVAILABLE = Integrity.SAFE, Integrity.INTEGRITY_RISK, Integrity.UNAVAILABLE
 

@@ -7,16 +7,16 @@ import math
 from types import SimpleNamespace
 
 from bahrs_driver.convert.axes import flu_to_enu, quaternion_from_euler
+from bahrs_driver.devices import SENSORS
 from bahrs_driver.emulator.flights import Flight
-from bahrs_driver.link import Link
-from bahrs_driver.parameters import PARAMETERS
-from bahrs_driver.protocol.bahrs import FORCE, RATE, VELOCITY
-from bahrs_driver.sensors import SENSORS
-from emulated import emissions, make_device
-from processes import driver, listening, running, wait_for
+from bahrs_driver.protocol.bahrs.messages import FORCE, RATE, VELOCITY
+from bahrs_driver.settings.table import PARAMETERS
+from bahrs_driver.transport.link import Link
 import pytest
 from sensor_msgs.msg import Imu, NavSatFix
 from std_msgs.msg import Float64
+from support.emulated import emissions, make_device
+from support.processes import driver, listening, running, wait_for
 
 FASTER = 40
 ANGLE_ERROR = math.radians(0.01)

@@ -11,10 +11,10 @@ import time
 from bahrs_driver.emulator.runner import ControlInput, PacedRun, run_to_file
 from bahrs_driver.emulator.scenario import parse
 from bahrs_driver.emulator.session import Session
-from bahrs_driver.protocol.bahrs import Acknowledgement, EnterDiagnostics, Inertial
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec
-from emulated import decoded, make_device, make_emulation
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec
+from bahrs_driver.protocol.bahrs.messages import Acknowledgement, EnterDiagnostics, Inertial
 import pytest
+from support.emulated import decoded, make_device, make_emulation
 
 
 @contextlib.contextmanager

@@ -6,24 +6,24 @@ import json
 import math
 
 from bahrs_driver.convert.axes import flu_to_enu, quaternion_from_euler
-from bahrs_driver.convert.titan_m import TOPICS
-from bahrs_driver.emulator.cable import AT_ONCE
+from bahrs_driver.convert.titan_m.converter import TOPICS
+from bahrs_driver.devices import SENSORS
 from bahrs_driver.emulator.flights import Flight, SteadyTurn
 from bahrs_driver.emulator.noise import DEVIATIONS, Noise
-from bahrs_driver.emulator.titan_measures import HIGHEST_DIFFERENCE
-from bahrs_driver.link import Link
-from bahrs_driver.parameters import PARAMETERS
-from bahrs_driver.protocol.poller import PollOptions
-from bahrs_driver.protocol.titan_m import (
+from bahrs_driver.emulator.titan_m.measurements import HIGHEST_DIFFERENCE
+from bahrs_driver.protocol.titan_m.messages import (
     ADC_FORCE, ADC_RATE_DEG, DIFFERENTIAL_PRESSURE, FIELD, GpsRequest, PRESSURE,
     SensorsRequest, StateRequest,
 )
-from bahrs_driver.sensors import SENSORS
-from devices import DIAGNOSTICS, status
+from bahrs_driver.protocol.titan_m.poller import PollOptions
+from bahrs_driver.settings.table import PARAMETERS
+from bahrs_driver.transport.link import Link
+from bahrs_driver.virtual_serial.cable import AT_ONCE
 import numpy as np
-from polled import make_titan, PolledDevice
-from processes import driver, listening, running, wait_for
 import pytest
+from support.devices import DIAGNOSTICS, status
+from support.polled import make_titan, PolledDevice
+from support.processes import driver, listening, running, wait_for
 
 START = (-0.04, 6.03)           # degrees; the flight crosses the equator and 6 degrees east
 SLOW = {SensorsRequest: 2.0, StateRequest: 2.0, GpsRequest: 2.0}

@@ -8,11 +8,11 @@ import stat
 import tempfile
 import threading
 
+from bahrs_driver.errors import TargetExists, WriteError
 from bahrs_driver.files.atomic_file import atomic_file, atomic_file_inside, write_atomic
-from bahrs_driver.files.guard import TargetExists, WriteError
 from hypothesis import given, strategies
 import pytest
-from targets import (
+from support.targets import (
     EVERY_KIND, IMPOSSIBLE, no_larger_file_than, PRECIOUS, REGULAR, snapshot, umask, unprivileged,
 )
 

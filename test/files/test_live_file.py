@@ -4,10 +4,10 @@
 
 import stat
 
-from bahrs_driver.files.guard import WriteError
+from bahrs_driver.errors import WriteError
 from bahrs_driver.files.live_file import LiveFile
 import pytest
-from targets import EVERY_KIND, IMPOSSIBLE, no_larger_file_than, REGULAR, snapshot, umask
+from support.targets import EVERY_KIND, IMPOSSIBLE, no_larger_file_than, REGULAR, snapshot, umask
 
 
 def test_others_read_it_meanwhile(tmp_path):

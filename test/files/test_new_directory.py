@@ -4,10 +4,10 @@
 
 import stat
 
-from bahrs_driver.files.guard import TargetExists, WriteError
+from bahrs_driver.errors import TargetExists, WriteError
 from bahrs_driver.files.new_directory import new_directory
 import pytest
-from targets import EVERY_KIND, IMPOSSIBLE, snapshot, umask, unprivileged
+from support.targets import EVERY_KIND, IMPOSSIBLE, snapshot, umask, unprivileged
 
 
 def fill(folder):

@@ -20,7 +20,7 @@ import tempfile
 from typing import NamedTuple
 
 from bahrs_driver.cli.main import main
-from shared_files import shared_file
+from support.shared_files import shared_file
 
 BYTE_NS = 86806                     # 10 bits at 115200 baud
 RAW_START = 5_000_000_000_000       # ns

@@ -9,15 +9,16 @@ module; the hashes must not change.
 
 from collections.abc import Iterator
 
+from bahrs_driver.bag.serialization import serialized
 from bahrs_driver.clock import Instant
-from bahrs_driver.fault_log import FaultLog
-from bahrs_driver.link import Link, LinkError, Reading
-from bahrs_driver.parameters import defaults
-from bahrs_driver.receiver import Receiver
-from bahrs_driver.recording.serialization import serialized
-from bahrs_driver.sensors import LISTENING, SENSORS
+from bahrs_driver.devices import LISTENING, SENSORS
+from bahrs_driver.errors import LinkError
+from bahrs_driver.process.fault_log import FaultLog
+from bahrs_driver.settings.table import defaults
+from bahrs_driver.transport.link import Link, Reading
+from bahrs_driver.transport.receiver import Receiver
 from golden_inputs import BYTE_NS, Input, Read, SECOND
-from polled import make_titan, PolledDevice
+from support.polled import make_titan, PolledDevice
 
 EVENTS = 'events'       # name under which notices and failures stand beside the topics
 

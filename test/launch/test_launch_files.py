@@ -8,9 +8,9 @@ import runpy
 
 from bahrs_driver.settings.command_line import RosArguments
 from hypothesis import given, strategies as st
-import launch_stand_in
 import pytest
-from settings_of import settings_of
+from support import launch_stand_in
+from support.settings_of import settings_of
 
 ROOT = Path(__file__).resolve().parents[2]
 FILES = ('bahrs', 'titan_m')

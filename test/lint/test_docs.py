@@ -7,9 +7,9 @@ import re
 import shlex
 
 from bahrs_driver.cli.main import _parser, VERBS
-from bahrs_driver.parameters import PARAMETERS
-from emulated import make_emulation, on_the_wire
+from bahrs_driver.settings.table import PARAMETERS
 import pytest
+from support.emulated import make_emulation, on_the_wire
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / 'README.md', *sorted((ROOT / 'docs').glob('*.md'))]

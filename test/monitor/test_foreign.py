@@ -9,7 +9,7 @@ import re
 from bahrs_driver.monitor.page import Page
 from bahrs_driver.monitor.tables import record, tables
 from bahrs_driver.monitor.watch import DIAGNOSTICS, TOPICS, Watch
-from bahrs_driver.node_names import Selection
+from bahrs_driver.ros.node_names import Selection
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Quaternion
 from hypothesis import given, HealthCheck, settings, strategies as st

@@ -12,9 +12,9 @@ import subprocess
 import termios
 import threading
 
-from bahrs_driver.emulator.pty_port import PtyPort
-from devices import Device
-from processes import command, driver, wait_for
+from bahrs_driver.virtual_serial.pty_port import PtyPort
+from support.devices import Device
+from support.processes import command, driver, wait_for
 
 TIMEOUT = 60.0
 CONTROL = re.compile(r'\x1b\[[0-9;?]*[A-Za-z]')

@@ -4,12 +4,12 @@
 
 from bahrs_driver.monitor import tally, watch
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from processes import wait_for
 import pytest
 import rclpy
 from rclpy.context import Context
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Float64
+from support.processes import wait_for
 
 BACKLOG = 100           # messages that wait on each topic
 

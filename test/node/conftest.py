@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fixtures of the tests of the node."""
 
-from bahrs_driver.emulator.pty_port import PtyPort
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 import pytest
 
 

@@ -6,16 +6,16 @@ import contextlib
 import signal
 import time
 
-from bahrs_driver.convert.bahrs import TOPICS
-from devices import Device, DIAGNOSTICS, known, says
+from bahrs_driver.convert.bahrs.converter import TOPICS
 from diagnostic_msgs.msg import DiagnosticStatus
-from processes import driver, listening, PATIENCE, wait_for
 import pytest
-from random_starts import random_starts
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rosgraph_msgs.msg import Clock
-from set_clock import SettableClock
+from support.devices import Device, DIAGNOSTICS, known, says
+from support.processes import driver, listening, PATIENCE, wait_for
+from support.random_starts import random_starts
+from support.set_clock import SettableClock
 
 HOUR = 3600.0
 HERE = 60.0             # s from the present that is the host's time, not that of a simulation

@@ -9,17 +9,17 @@ import stat
 import time
 
 from bahrs_driver.cli.main import main
-from bahrs_driver.emulator.pty_port import PtyPort
-from bahrs_driver.protocol.bahrs import (
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec
+from bahrs_driver.protocol.bahrs.messages import (
     Acknowledgement, HardwareVersion, Navigation, SoftwareVersion,
 )
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec
 from bahrs_driver.protocol.integrity import Integrity
-from devices import Device, DIAGNOSTICS, known, SAFE, says, status
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_msgs.srv import SelfTest
-from processes import driver, listening, PATIENCE, running, wait_for
 import pytest
+from support.devices import Device, DIAGNOSTICS, known, SAFE, says, status
+from support.processes import driver, listening, PATIENCE, running, wait_for
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE

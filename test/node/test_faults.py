@@ -5,17 +5,17 @@
 import contextlib
 import sys
 
-from bahrs_driver.convert.bahrs import TOPICS
-from devices import Device, DIAGNOSTICS, says, status
+from bahrs_driver.convert.bahrs.converter import TOPICS
 from diagnostic_msgs.msg import DiagnosticStatus
-from processes import listening, Process, wait_for
 import pytest
+from support.devices import Device, DIAGNOSTICS, says, status
+from support.processes import listening, Process, wait_for
 
 # What goes wrong, as lines of Python that are run before the node: the name that it defines
 # fails again and again, once all is under way.
 START = """
 import sys
-from bahrs_driver import driver_node
+from bahrs_driver.node import main as driver_node
 {imports}
 original, calls = {name}, [0]
 def failing(*arguments):
@@ -27,9 +27,9 @@ def failing(*arguments):
 sys.exit(driver_node.main())
 """
 PLACES = {
-    'decoding': ('from bahrs_driver.protocol.bahrs_frames import BahrsCodec', 'BahrsCodec.decode',
+    'decoding': ('from bahrs_driver.protocol.bahrs.frames import BahrsCodec', 'BahrsCodec.decode',
                  'KeyError(17)'),
-    'converting': ('from bahrs_driver.convert.bahrs import BahrsConverter',
+    'converting': ('from bahrs_driver.convert.bahrs.converter import BahrsConverter',
                    'BahrsConverter.convert', 'OverflowError("too large")'),
     'stamping': ('from bahrs_driver.clock import SampleClock', 'SampleClock.stamp',
                  'ZeroDivisionError()'),
@@ -37,7 +37,7 @@ PLACES = {
                    'RuntimeError("\\x1b[2J no memory")'),
     'watching the clock': ('from bahrs_driver.clock import SampleClock', 'SampleClock.state',
                            'KeyError(3)'),
-    'watching': ('from bahrs_driver.diagnostics.bahrs_health import BahrsHealth',
+    'watching': ('from bahrs_driver.devices.bahrs_health import BahrsHealth',
                  'BahrsHealth.observe', 'StopIteration()'),
 }
 

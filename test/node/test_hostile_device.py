@@ -5,9 +5,9 @@
 from pathlib import Path
 import random
 
-from bahrs_driver.protocol.bahrs_frames import build_frame
-from devices import DIAGNOSTICS, status
-from processes import driver, listening, wait_for
+from bahrs_driver.protocol.bahrs.frames import build_frame
+from support.devices import DIAGNOSTICS, status
+from support.processes import driver, listening, wait_for
 
 ROUNDS, FRAMES = 9, 4000
 

@@ -9,10 +9,10 @@ import shutil
 import subprocess
 import sys
 
-from bahrs_driver.convert.bahrs import TOPICS
-from processes import listening, Process, running, wait_for
+from bahrs_driver.convert.bahrs.converter import TOPICS
 import pytest
-from shared_files import shared_file
+from support.processes import listening, Process, running, wait_for
+from support.shared_files import shared_file
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -6,15 +6,16 @@ from bisect import bisect_right
 import math
 import random
 
-from bahrs_driver.convert.bahrs import TOPICS
-from bahrs_driver.emulator.pty_port import PtyPort
-from bahrs_driver.protocol.bahrs import ANGLE, FORCE, HEIGHT, Inertial, Navigation, VELOCITY
+from bahrs_driver.convert.bahrs.converter import TOPICS
+from bahrs_driver.protocol.bahrs.messages import (
+    ANGLE, FORCE, HEIGHT, Inertial, Navigation, VELOCITY)
 from bahrs_driver.protocol.integrity import Integrity
-from devices import DEEP, Device, DIAGNOSTICS, SAFE, says
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from processes import driver, listening, wait_for
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from support.devices import DEEP, Device, DIAGNOSTICS, SAFE, says
+from support.processes import driver, listening, wait_for
 
 SIGNALS = Inertial.SIGNALS + Navigation.SIGNALS
 WORTH = {Integrity.SAFE: 1, Integrity.INTEGRITY_RISK: 100}

@@ -7,11 +7,11 @@ from pathlib import Path
 import signal
 import sys
 
-from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.convert.bahrs.converter import TOPICS
 from bahrs_driver.protocol.integrity import Integrity
-from devices import Device, SAFE
-from processes import driver, listening, Process, wait_for
 import pytest
+from support.devices import Device, SAFE
+from support.processes import driver, listening, Process, wait_for
 
 SUBSCRIBER = [sys.executable, str(Path(__file__).with_name('integrity_subscriber.py'))]
 SIGNALS = 5

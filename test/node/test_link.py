@@ -12,13 +12,13 @@ import subprocess
 import sys
 import time
 
-from bahrs_driver.emulator.pty_port import PtyPort
-from devices import Device, DIAGNOSTICS, says, status
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 from diagnostic_msgs.msg import DiagnosticStatus
-from processes import command, driver, listening, PATIENCE, Process, running, wait_for
 import pytest
 from sensor_msgs.msg import Imu
-from serial_servers import SERVERS
+from support.devices import Device, DIAGNOSTICS, says, status
+from support.processes import command, driver, listening, PATIENCE, Process, running, wait_for
+from support.serial_servers import SERVERS
 
 ERROR, OK = DiagnosticStatus.ERROR, DiagnosticStatus.OK
 RAW = {'imu/data_raw': Imu}
@@ -170,8 +170,8 @@ def test_a_port_name_forges_no_line_of_the_log(tmp_path):
 # A start as an ordinary user, who may not enter the port's directory.
 AS_NOBODY = """
 import os, sys
-from bahrs_driver import driver_node
-import bahrs_driver.node_process
+from bahrs_driver.node import main as driver_node
+import bahrs_driver.node.process
 os.setgroups([]); os.setgid(65534); os.setuid(65534)
 sys.exit(driver_node.main())
 """

@@ -5,12 +5,12 @@
 import contextlib
 import threading
 
-from bahrs_driver.emulator.pty_port import PtyPort
-from bahrs_driver.link import Link
-from devices import Device, DIAGNOSTICS, says, status
+from bahrs_driver.transport.link import Link
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 from diagnostic_msgs.msg import DiagnosticStatus
-from processes import driver, listening, running, wait_for
 import pytest
+from support.devices import Device, DIAGNOSTICS, says, status
+from support.processes import driver, listening, running, wait_for
 
 OK, STALE = DiagnosticStatus.OK, DiagnosticStatus.STALE
 TASKS = {'bahrs': {'Link', 'Framing', 'Time', 'Rates', 'Integrity', 'Device', 'Publishing'},

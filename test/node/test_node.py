@@ -8,21 +8,21 @@ import subprocess
 import sys
 from time import time_ns
 
+from bahrs_driver.bag.read_metadata import parse_label
 from bahrs_driver.clock import byte_time_ns
-from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.convert.bahrs.converter import TOPICS
 from bahrs_driver.convert.raw import TOPIC
-from bahrs_driver.emulator.pty_port import PtyPort
-from bahrs_driver.protocol.bahrs import ANGLE, HEIGHT, Inertial
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.messages import ANGLE, HEIGHT, Inertial
 from bahrs_driver.protocol.framing import Framer
-from bahrs_driver.recording.origin import parse_label
-from devices import DEEP, Device, DIAGNOSTICS, says, status
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 from diagnostic_msgs.msg import DiagnosticStatus
-from processes import driver, listening, PATIENCE, running, wait_for
 import pytest
 from sensor_msgs.msg import Imu
-from shared_files import shared_file
 from std_msgs.msg import UInt8MultiArray
+from support.devices import DEEP, Device, DIAGNOSTICS, says, status
+from support.processes import driver, listening, PATIENCE, running, wait_for
+from support.shared_files import shared_file
 
 
 def test_all_topics_in_another_process(cable):
@@ -101,7 +101,7 @@ def test_signal_ends_it_cleanly(cable):
 
 def test_signals_are_heeded_before_anything_large_is_imported():
     """Or else Ctrl-C in the first second or two would end in a traceback."""
-    code = 'import sys, bahrs_driver.driver_node; sys.exit("rclpy" in sys.modules)'
+    code = 'import sys, bahrs_driver.node.main; sys.exit("rclpy" in sys.modules)'
     assert subprocess.run([sys.executable, '-c', code]).returncode == 0
 
 

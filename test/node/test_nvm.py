@@ -12,20 +12,20 @@ import signal
 import subprocess
 import time
 
-from bahrs_driver.convert.bahrs import TOPICS
-from bahrs_driver.emulator.bahrs_diagnostics import DiagnosticsMode, ServiceHabits
-from bahrs_driver.protocol.bahrs import Acknowledgement, EnterDiagnostics
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.convert.bahrs.converter import TOPICS
+from bahrs_driver.emulator.bahrs.diagnostics_mode import DiagnosticsMode, ServiceHabits
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.messages import Acknowledgement, EnterDiagnostics
 from bahrs_driver.protocol.framing import Framer
-from devices import Device, DIAGNOSTICS, known, says, status, StoppableThread
 from diagnostic_msgs.msg import DiagnosticStatus
-from processes import command, driver, listening, PATIENCE, running, wait_for
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters
 from std_msgs.msg import UInt8MultiArray
 from std_srvs.srv import Trigger
-from targets import EVERY_KIND, IMPOSSIBLE, REGULAR, snapshot
+from support.devices import Device, DIAGNOSTICS, known, says, status, StoppableThread
+from support.processes import command, driver, listening, PATIENCE, running, wait_for
+from support.targets import EVERY_KIND, IMPOSSIBLE, REGULAR, snapshot
 
 IMAGE = bytes((3 * index + index // 100) % 256 for index in range(8000))
 # With this, each page comes so late that a dump takes ten seconds: time to come between.
@@ -399,7 +399,7 @@ def test_what_the_command_line_refuses(words, sentence):
 
 def test_show(tmp_path):
     """What is in an image; a damaged block is named."""
-    from bahrs_driver.emulator.nvm_image import made_up_image
+    from bahrs_driver.emulator.bahrs.nvm_image import made_up_image
     image = bytearray(made_up_image())
     file = tmp_path / 'image.bin'
     file.write_bytes(image)

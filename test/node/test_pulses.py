@@ -6,14 +6,14 @@ import math
 import time
 from types import SimpleNamespace
 
-from bahrs_driver.clock.pulses import PulseReference
-from bahrs_driver.node import DriverNode
-from devices import DIAGNOSTICS, status, StoppableThread
+from bahrs_driver.clock.estimation.pulses import PulseReference
+from bahrs_driver.node.driver_node import DriverNode
 from hypothesis import given, strategies as st
-from processes import driver, listening, running, wait_for
 import pytest
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import TimeReference
+from support.devices import DIAGNOSTICS, status, StoppableThread
+from support.processes import driver, listening, running, wait_for
 
 SECOND = 10 ** 9
 TOLD_EARLY = 4_000_000      # ns, so that it can be seen whose word was taken

@@ -6,12 +6,12 @@ import contextlib
 from pathlib import Path
 import shlex
 
-from bahrs_driver.convert.bahrs import TOPICS
-from devices import Device
-from processes import command, listening, PATIENCE, Process, running, wait_for
+from bahrs_driver.convert.bahrs.converter import TOPICS
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters
+from support.devices import Device
+from support.processes import command, listening, PATIENCE, Process, running, wait_for
 
 CONFIG = Path(__file__).resolve().parents[2] / 'config'
 UNDEFINED = 200

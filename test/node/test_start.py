@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The start of the node: nothing is missed by subscribers that were there before."""
 
-from bahrs_driver.convert.bahrs import TOPICS
+from bahrs_driver.convert.bahrs.converter import TOPICS
 from bahrs_driver.convert.raw import TOPIC as RAW
-from bahrs_driver.protocol.bahrs import FORCE
-from devices import DEEP, Device
-from processes import driver, listening, wait_for
+from bahrs_driver.protocol.bahrs.messages import FORCE
 import pytest
 from sensor_msgs.msg import Imu
 from std_msgs.msg import UInt8MultiArray
+from support.devices import DEEP, Device
+from support.processes import driver, listening, wait_for
 
 WAITING = 'the port is opened when all topics have a subscriber'
 

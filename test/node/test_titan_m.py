@@ -5,14 +5,14 @@
 from contextlib import contextmanager
 import threading
 
-from bahrs_driver.convert.titan_m import TOPICS
-from bahrs_driver.emulator.pty_port import PtyPort
-from bahrs_driver.protocol.titan_frames import build_answer
-from bahrs_driver.protocol.titan_m import Gps, Sensors, State
-from devices import DIAGNOSTICS, says, status
+from bahrs_driver.convert.titan_m.converter import TOPICS
+from bahrs_driver.protocol.titan_m.frames import build_answer
+from bahrs_driver.protocol.titan_m.messages import Gps, Sensors, State
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 from diagnostic_msgs.msg import DiagnosticStatus
-from processes import driver, listening, running, wait_for
 import pytest
+from support.devices import DIAGNOSTICS, says, status
+from support.processes import driver, listening, running, wait_for
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 EVERYTHING = {**TOPICS, **DIAGNOSTICS}

@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 import pytest
-from shared_files import shared_file
+from support.shared_files import shared_file
 
 
 @pytest.fixture(scope='session')

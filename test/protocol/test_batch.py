@@ -6,18 +6,18 @@ import dataclasses
 from dataclasses import dataclass
 import math
 
-from bahrs_driver.protocol.bahrs import Accuracy, Inertial, layouts, MESSAGES, Navigation
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.messages import Accuracy, Inertial, layouts, MESSAGES, Navigation
 from bahrs_driver.protocol.batch import Batch, table
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.protocol.layout import (
     integer, integers, Layout, real, reals, scaled, text, Vector, vector, wire,
 )
-from bahrs_driver.protocol.titan_frames import LAYOUTS as TITAN_LAYOUTS
+from bahrs_driver.protocol.titan_m.frames import LAYOUTS as TITAN_LAYOUTS
 from hypothesis import given, strategies as st
 import numpy as np
-from shared_files import shared_file
+from support.shared_files import shared_file
 
 LAYOUTS = [*layouts().values(), *layouts('int16').values(), *TITAN_LAYOUTS.values()]
 

@@ -10,10 +10,11 @@ chunks, or lose count of the bytes.
 from collections import Counter
 import zlib
 
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.framing import Framer
 from hypothesis import example, given, strategies as st
-from independent import (
+import pytest
+from support.independent import (
     chunk_sizes,
     chunks,
     debug_frames,
@@ -27,7 +28,6 @@ from independent import (
     service_frames,
     stream_frames,
 )
-import pytest
 
 FIRST_FRAME = bytes.fromhex('4e45020001 00 d5ffe2ff8ae6 fcff02000700 3f 00 f65b0c0a')
 PULSE = make_frame(2, 0x06, bytes(9))

@@ -4,8 +4,8 @@
 
 from bahrs_driver.protocol.integrity import Integrity, two_bit_fields, valid_bits
 from hypothesis import given, strategies as st
-import independent
 import pytest
+from support import independent
 
 SAFE, UNAVAILABLE = Integrity.SAFE, Integrity.UNAVAILABLE
 RISK, RESERVED = Integrity.INTEGRITY_RISK, Integrity.RESERVED

@@ -21,8 +21,8 @@ from bahrs_driver.protocol.layout import (
     wire,
 )
 from hypothesis import given, strategies as st
-import independent
 import pytest
+from support import independent
 
 
 @dataclass(frozen=True)

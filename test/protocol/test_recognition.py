@@ -4,11 +4,11 @@
 
 import random
 
-from bahrs_driver.protocol.bahrs import NavigationTime
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec
+from bahrs_driver.protocol.bahrs.messages import NavigationTime
 from bahrs_driver.protocol.recognition import sensor_of
-from bahrs_driver.protocol.titan_frames import build_answer
-from bahrs_driver.protocol.titan_m import State
+from bahrs_driver.protocol.titan_m.frames import build_answer
+from bahrs_driver.protocol.titan_m.messages import State
 import pytest
 
 NOISE = random.Random(4).randbytes(60)

@@ -5,7 +5,7 @@
 from collections import Counter
 import random
 
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec, BahrsFormat, frame_version
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat, frame_version
 from bahrs_driver.protocol.framing import Framer
 import pytest
 

@@ -2,19 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of what is read out of a recording, and what is said about it."""
 
-from bahrs_driver.emulator.cable import adapter_mode
+from bahrs_driver.bag.read_capture import read_capture
 from bahrs_driver.emulator.noise import Noise
-from bahrs_driver.protocol.bahrs import Inertial
+from bahrs_driver.protocol.bahrs.messages import Inertial
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.recording.capture import read_capture
 from bahrs_driver.report.clock import clock_story
 from bahrs_driver.report.findings import ERROR, findings, GOOD, NOTICE, WARNING
 from bahrs_driver.report.gather import gather
-from emulated import make_device, make_emulation
+from bahrs_driver.virtual_serial.cable import adapter_mode
 import numpy as np
 import pytest
-from recorded import MadeUp, recorded
-from shared_files import shared_file
+from support.emulated import make_device, make_emulation
+from support.recorded import MadeUp, recorded
+from support.shared_files import shared_file
 
 
 def said(recording, level=None):

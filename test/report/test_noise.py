@@ -6,9 +6,9 @@ from types import SimpleNamespace
 
 from bahrs_driver.emulator.motion import Change, truth
 from bahrs_driver.report.noise import noise_at_rest
-from emulated import make_device, make_emulation
 import pytest
-from recorded import recorded
+from support.emulated import make_device, make_emulation
+from support.recorded import recorded
 
 LEVEL, STILL = Change(0.0), Change(1.0)
 

@@ -5,16 +5,16 @@
 import random
 import warnings
 
-from bahrs_driver.protocol.bahrs import (
+from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec
+from bahrs_driver.protocol.bahrs.messages import (
     Accuracy, Inertial, InertialTime, Navigation, NvmPage, SoftwareVersion, SyncPulseTime,
 )
-from bahrs_driver.protocol.bahrs_frames import BahrsCodec
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.recording.capture import read_capture
 from bahrs_driver.report.gather import gather
 from bahrs_driver.report.page import page
-from emulated import make_emulation, on_the_wire
 import pytest
+from support.emulated import make_emulation, on_the_wire
 
 SAFE = (Integrity.SAFE,) * 6
 

@@ -8,18 +8,18 @@ from html.parser import HTMLParser
 import re
 from xml.etree import ElementTree
 
+from bahrs_driver.bag.read_capture import read_capture
 from bahrs_driver.emulator.flights import SteadyTurn
 from bahrs_driver.emulator.noise import DEVIATIONS, Noise
-from bahrs_driver.printable import printable
-from bahrs_driver.protocol.bahrs import SoftwareVersion
-from bahrs_driver.recording.capture import read_capture
+from bahrs_driver.process.printable import printable
+from bahrs_driver.protocol.bahrs.messages import SoftwareVersion
 from bahrs_driver.report.gather import gather
 from bahrs_driver.report.page import page
-from emulated import make_device, make_emulation
 from hypothesis import given, settings, strategies as st
 import pytest
-from recorded import recorded
-from shared_files import shared_file
+from support.emulated import make_device, make_emulation
+from support.recorded import recorded
+from support.shared_files import shared_file
 
 VOID = {'meta', 'img', 'br', 'link'}
 

@@ -5,7 +5,7 @@
 from bahrs_driver.settings.command_line import RosArguments
 from hypothesis import given, strategies as st
 import pytest
-from settings_of import settings_of
+from support.settings_of import settings_of
 import yaml
 
 

@@ -4,7 +4,7 @@
 
 import sys
 
-from bahrs_driver.node import DriverNode
+from bahrs_driver.node.driver_node import DriverNode
 from hypothesis import given, settings, strategies as st
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterValue

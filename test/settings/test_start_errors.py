@@ -4,11 +4,11 @@
 
 import os
 
-from bahrs_driver.parameters import PARAMETERS
+from bahrs_driver.settings.table import PARAMETERS
 from hypothesis import given, HealthCheck, settings, strategies as st
 import pytest
-from recorded_settings import values_of
-from starting import start
+from support.recorded_settings import values_of
+from support.starting import start
 import yaml
 
 

@@ -7,7 +7,7 @@ from bahrs_driver.settings.type_clashes import lost_values
 from hypothesis import given, settings, strategies as st
 import rclpy
 from rclpy.context import Context
-from starting import start
+from support.starting import start
 
 # As YAML, and as rcl reads it.
 VALUES = {'1': 1, '2.5': 2.5, '1e-5': 1e-5, '0x10': 16, 'true': True, 'off': False, 'text': 'text',

@@ -5,14 +5,14 @@
 from pathlib import Path
 import re
 
-from bahrs_driver.link import Link
-from bahrs_driver.parameters import BY_NAME, defaults, PARAMETERS
-from bahrs_driver.sensors import SENSORS
+from bahrs_driver.devices import SENSORS
+from bahrs_driver.settings.table import BY_NAME, defaults, PARAMETERS
 from bahrs_driver.settings.unused import RATES, unused_parameters, why_unused
+from bahrs_driver.transport.link import Link
 from hypothesis import given, HealthCheck, settings, strategies as st
 import pytest
-from recorded_settings import RecordedSettings, values_of
-from starting import start
+from support.recorded_settings import RecordedSettings, values_of
+from support.starting import start
 
 PACKAGE = Path(__file__).resolve().parents[2] / 'bahrs_driver'
 SILENT = dict.fromkeys(RATES, 0.0)
@@ -20,7 +20,7 @@ SILENT = dict.fromkeys(RATES, 0.0)
 
 # Read by the node and its services, not by the parts of a sensor.
 OF_THE_NODE = {'port', 'baud_rate'} | {
-    name for path in PACKAGE.glob('*.py') if path.name != 'parameters.py'
+    name for folder in ('node', 'transport') for path in (PACKAGE / folder).glob('*.py')
     for name in re.findall(r"'([a-z_.]+)'", path.read_text())}
 
 

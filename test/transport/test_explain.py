@@ -10,9 +10,8 @@ import subprocess
 import sys
 import termios
 
+from bahrs_driver.errors import DeviceNotFound, LinkError
 from bahrs_driver.transport import explain
-from bahrs_driver.transport.device_search import DeviceNotFound
-from bahrs_driver.transport.errors import LinkError
 from bahrs_driver.transport.explain import Target, why_gone, why_not_open, why_not_written
 from bahrs_driver.transport.tcp import ConnectionClosed
 from hypothesis import given, strategies as st
@@ -114,7 +113,7 @@ def test_what_users_of_servers_meet(error, words):
 # Run as nobody: the sentence for a port in a directory that nobody may enter.
 AS_NOBODY = """
 import os, sys
-from bahrs_driver.link import Link, LinkError
+from bahrs_driver.transport.link import Link, LinkError
 os.setgroups([]); os.setgid(65534); os.setuid(65534)
 try:
     Link(sys.argv[1], 115200).connect()

@@ -13,13 +13,13 @@ import sys
 import threading
 import time
 
-from bahrs_driver import link as link_module
-from bahrs_driver.emulator.pty_port import PtyPort
-from bahrs_driver.link import Link, LinkError
+from bahrs_driver.transport import link as link_module
+from bahrs_driver.transport.link import Link, LinkError
 from bahrs_driver.transport.serial_port import LONGEST_BACK_OFF, SerialPort
 from bahrs_driver.transport.waker import Waker
-from processes import wait_for
+from bahrs_driver.virtual_serial.pty_port import PtyPort
 import pytest
+from support.processes import wait_for
 
 BAUD = 115200
 TIOCGEXCL = 0x80045440
@@ -64,7 +64,7 @@ def test_it_is_open_for_this_program_alone_as_long_as_it_is_open(port):
 # As a user without privileges: what opening the port a second time says, then opening it again.
 AS_NOBODY = """
 import os, sys
-from bahrs_driver.link import Link
+from bahrs_driver.transport.link import Link
 os.chmod(sys.argv[1], 0o666)
 if os.geteuid() == 0:
     os.setgroups([]); os.setgid(65534); os.setuid(65534)
@@ -89,7 +89,7 @@ def test_another_program_of_an_ordinary_user_cannot_open_it(port):
 # As a user without privileges: opening a port that a killed program had open for itself alone.
 AFTER_A_KILL = """
 import os, sys
-from bahrs_driver.link import Link, LinkError
+from bahrs_driver.transport.link import Link, LinkError
 os.chmod(sys.argv[1], 0o666)
 if os.geteuid() == 0:
     os.setgroups([]); os.setgid(65534); os.setuid(65534)
@@ -114,7 +114,7 @@ def test_a_pseudo_terminal_that_a_killed_program_had_open(port):
 
 def test_who_has_it_is_named(port):
     """By name and number; this program itself, too."""
-    code = ('import sys, time; from bahrs_driver.link import Link\n'
+    code = ('import sys, time; from bahrs_driver.transport.link import Link\n'
             'link = Link(sys.argv[1], 115200); link.connect(); print(flush=True); time.sleep(600)')
     with subprocess.Popen([sys.executable, '-c', code, port.path],
                           stdout=subprocess.PIPE) as other:

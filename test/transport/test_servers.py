@@ -11,14 +11,14 @@ import sys
 import threading
 import time
 
-from bahrs_driver import link as link_module
-from bahrs_driver.link import Link, LinkError
+from bahrs_driver.transport import link as link_module
 from bahrs_driver.transport import pyserial_url, tcp
+from bahrs_driver.transport.link import Link, LinkError
 from hypothesis import given, HealthCheck, settings, strategies as st
-from processes import wait_for
 import pytest
 from serial import rfc2217
-from serial_servers import SERVERS
+from support.processes import wait_for
+from support.serial_servers import SERVERS
 
 BAUD = 115200
 KINDS = ('socket', 'rfc2217')
@@ -238,9 +238,9 @@ def test_all_addresses_of_a_host_share_one_time_limit(monkeypatch):
 # network is switched off, so nothing that is sent arrives, and nothing comes back.
 VANISHING = """
 import socket, subprocess, sys, threading, time
-from bahrs_driver.link import Link, LinkError
+from bahrs_driver.transport.link import Link, LinkError
 sys.path.insert(0, sys.argv[2])
-from serial_servers import SERVERS
+from support.serial_servers import SERVERS
 
 subprocess.run(['ip', 'link', 'set', 'lo', 'up'], check=True)
 kind, writes = sys.argv[1], sys.argv[3] == 'writes'

@@ -1,0 +1,112 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Bags that hold `raw`: rosbag2 directories and their files, MCAP or SQLite."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from bahrs_driver.bag.bag_files import BagFile, find_files
+from bahrs_driver.bag.capture import Capture, Chunk
+from bahrs_driver.bag.compression import decompress_message
+from bahrs_driver.bag.damage import MESSAGE
+from bahrs_driver.bag.read_metadata import END_OF_TIME, Origin, parse_label
+from bahrs_driver.bag.stored_message import LARGEST_PART, RAW_TYPE, StoredMessage
+from bahrs_driver.bag.topics import typestore
+from bahrs_driver.errors import CaptureError, DamageError
+from bahrs_driver.process.printable import printable
+
+NAME = 'raw'                # last part of the topic's name, if the user does not give one
+
+
+class BagCapture(Capture):
+    """The raw bytes in a bag."""
+
+    timed = True
+
+    def __init__(self, path: Path, topic: str | None) -> None:
+        """Find the topic; CaptureError if there is none."""
+        self._files = [BagFile(file) for file in find_files(path)]
+        super().__init__(path, sum(file.size for file in self._files))
+        self._topic = topic
+        self._others: set[str] = set()      # topics that could have been meant
+        self._find()
+
+    def chunks(self) -> Iterator[Chunk]:
+        """Return all bytes in order; CaptureError if they cannot be read."""
+        return (chunk for chunk, *_ in self._read())
+
+    def _find(self) -> None:
+        """Look at the first message that can be decoded."""
+        first = next(self._read(), None)
+        if first is None:
+            raise CaptureError(self._why_empty())
+        _, origin, self._topic = first
+        if origin:
+            self.sensor, self.byte_ns = origin.sensor, origin.byte_ns
+
+    def _why_empty(self) -> str:
+        damaged = next((file.damage for file in self._files if file.damage.count(MESSAGE)), None)
+        shown = printable(self.path)
+        wanted = f'topic {printable(self._topic or NAME)}'
+        if damaged:
+            return (f'{shown} has no message on {wanted} that can be decoded '
+                    f'({damaged.reason(MESSAGE)}): record it with bahrs record or ros2 bag record')
+        if self._topic and self._others:
+            return f'{shown} has no {wanted} of type {RAW_TYPE}, but {_listed(self._others)}'
+        if self.notes:
+            return self.notes[0]
+        return (f'{shown} has no {wanted} of type {RAW_TYPE}: record it with the parameter '
+                'publish.raw of the driver on')
+
+    def _read(self) -> Iterator[tuple[Chunk, Origin | None, str]]:
+        """Yield the chunks with their topic and what their label says."""
+        self.done = 0
+        self.notes.clear()
+        for file in self._files:
+            before = self.done
+            for message in file.messages():
+                self.done = before + file.done
+                if self._is_wanted(message.topic):
+                    with file.damage.leaving_out(MESSAGE):
+                        yield _decode(message)
+            self.done = before + file.size
+            self.notes.extend(file.damage.sentences())
+        if self._others:
+            self.notes.append(f'{printable(self.path)} has other topics of raw bytes, too, which '
+                              f'were left out: {_listed(self._others)}')
+
+    def _is_wanted(self, topic: str) -> bool:
+        named = topic.rpartition('/')[2] == NAME
+        if self._topic is None:
+            return named
+        wanted = topic.strip('/') == self._topic.strip('/')
+        if named and not wanted:
+            self._others.add(topic)
+        return wanted
+
+
+def _decode(message: StoredMessage) -> tuple[Chunk, Origin | None, str]:
+    """Decode a message; whatever is wrong with it raises something."""
+    decoded = _deserialize(decompress_message(message.data, LARGEST_PART))
+    labels = [dimension.label for dimension in decoded.layout.dim]
+    origin = parse_label(labels[0]) if labels else None
+    data = decoded.data.tobytes()
+    if origin:
+        return Chunk(data, origin.ros_ns, origin.raw_ns, origin.opening), origin, message.topic
+    if not 0 <= message.log_time < END_OF_TIME:
+        raise DamageError('its time is before 1970 or after 2038')
+    return Chunk(data, message.log_time), None, message.topic
+
+
+def _deserialize(data: bytes) -> Any:
+    if not data:
+        raise DamageError('it is empty')
+    try:
+        return typestore().deserialize_cdr(data, RAW_TYPE)
+    except Exception as error:          # whatever the library meets in foreign bytes
+        raise DamageError(f'it is cut, or not of type {RAW_TYPE}') from error
+
+
+def _listed(topics: set[str]) -> str:
+    return printable(', '.join(sorted(topics)))

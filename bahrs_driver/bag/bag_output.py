@@ -1,0 +1,193 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A rosbag2 directory with MCAP files, to write into.
+
+The writer of `rosbags` keeps a megabyte back, which is a minute and a half of raw bytes, and
+writes metadata.yaml at the end only; a recorder that is killed would lose both. Here chunks are
+closed as often as the caller likes, the file is whole after each (see `sealed_file`), and
+metadata.yaml is there from the beginning.
+"""
+
+from collections.abc import Callable, Iterable
+import contextlib
+from pathlib import Path
+from types import TracebackType
+
+from bahrs_driver.bag.guard_writing import guard_writing
+from bahrs_driver.bag.metadata import as_yaml, Span, write_metadata
+from bahrs_driver.bag.sealed_file import SealedFile
+from bahrs_driver.bag.topics import definition, Topic
+from bahrs_driver.errors import CaptureError, ExistingFolderError
+from bahrs_driver.files.guard import refuse_new_device
+from bahrs_driver.process.printable import printable
+from mcap.data_stream import RecordBuilder
+from mcap.records import DataEnd, Footer
+from mcap.writer import CompressionType, MCAP0_MAGIC, Writer
+
+CHUNK_SIZE = 1 << 20        # bytes before compression
+LIBRARY = 'bahrs_driver'
+
+
+class BagWriter:
+    """
+    Writes messages, in the order of their log times.
+
+    Once it has raised, it must be closed and nothing else: all up to the last flush is there.
+    """
+
+    def __init__(self, folder: str | Path, name: str = '') -> None:
+        """
+        Make the directory; CaptureError if it exists or cannot be made.
+
+        name is what its files are called by, if not by the directory.
+        """
+        self.folder = Path(folder)
+        with guard_writing(folder):
+            self._name = _file_name(name or self.folder.resolve().name)
+        self._topics: dict[str, Topic] = {}
+        self._files: list[Span] = []
+        self._broken = False
+        make_directory(self.folder)
+        try:
+            self._begin_file()
+        except CaptureError:
+            with contextlib.suppress(OSError):      # it is ours, but may hold something by now
+                self.folder.rmdir()
+            raise
+
+    @property
+    def count(self) -> int:
+        """How many messages were written."""
+        return sum(file.count for file in self._files)
+
+    @property
+    def size(self) -> int:
+        """How many bytes the present file has so far."""
+        return self._stream.tell()
+
+    @property
+    def span(self) -> Span:
+        """Return what the present file has."""
+        return self._files[-1]
+
+    def files(self) -> list[str]:
+        """Return the names of the files."""
+        return [file.name for file in self._files]
+
+    def counts(self) -> dict[str, int]:
+        """Return how many messages each topic has."""
+        return {name: sum(file.counts.get(name, 0) for file in self._files)
+                for name in self._topics}
+
+    def add_topics(self, topics: Iterable[Topic]) -> None:
+        """Take topics that messages will come of. Those that are known are left as they are."""
+        for topic in topics:
+            if topic.name not in self._topics:
+                self._topics[topic.name] = topic
+                self._register(topic)
+        self._write_metadata()
+
+    def write(self, topic: str, log_time: int, data: bytes,
+              publish_time: int | None = None) -> None:
+        """Take a serialised message; times in ns. log_time must not be below the last one."""
+        self._files[-1].add(topic, log_time)
+        self._writer.add_message(
+            self._channels[topic], log_time, data,
+            log_time if publish_time is None else publish_time, self._files[-1].counts[topic])
+        if self._stream.pending:            # a chunk is full
+            self._guard(self._stream.flush)
+
+    def flush(self) -> None:
+        """Put all that came into the file. CaptureError if that is not possible."""
+        self._guard(self._writer.flush)
+
+    def sync(self) -> None:
+        """Have what was flushed survive a loss of power, and metadata.yaml say how much it is."""
+        self._guard(self._stream.sync)
+        self._write_metadata()
+
+    def split(self) -> None:
+        """End the file and begin the next."""
+        self._end_file()
+        self._begin_file()
+
+    def close(self) -> None:
+        """End the file and the bag. Where something went wrong before, it stays as it is."""
+        if not self._broken:
+            self._end_file()
+            self._write_metadata()
+        self._stream.close()
+
+    def __enter__(self) -> 'BagWriter':
+        """Return the writer itself."""
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
+                 trace: TracebackType | None) -> None:
+        """End the bag."""
+        self.close()
+
+    def _begin_file(self) -> None:
+        name = f'{self._name}_{len(self._files)}.mcap'
+        self._files.append(Span(name))
+        with guard_writing(self.folder / name):
+            self._stream = SealedFile(self.folder / name, _end())
+        self._writer = Writer(self._stream, CHUNK_SIZE,  # type: ignore[arg-type]
+                              CompressionType.ZSTD)
+        self._writer.start('ros2', LIBRARY)
+        self._schemas: dict[str, int] = {}
+        self._channels: dict[str, int] = {}
+        for topic in self._topics.values():
+            self._register(topic)
+        self.flush()
+        self._write_metadata()
+
+    def _end_file(self) -> None:
+        self._guard(self._writer.finish)
+        self._guard(self._stream.finish)
+
+    def _register(self, topic: Topic) -> None:
+        text, type_hash = definition(topic.type_name)
+        if topic.type_name not in self._schemas:
+            self._schemas[topic.type_name] = self._writer.register_schema(
+                topic.type_name, 'ros2msg' if text else '', text.encode())
+        self._channels[topic.name] = self._writer.register_channel(
+            topic.name, 'cdr', self._schemas[topic.type_name],
+            {'offered_qos_profiles': as_yaml(topic.qos), 'topic_type_hash': type_hash})
+
+    def _write_metadata(self) -> None:
+        self._guard(lambda: write_metadata(self.folder, self._topics.values(), self._files))
+
+    def _guard(self, action: Callable[[], None]) -> None:
+        try:
+            with guard_writing(self.folder):
+                action()
+        except CaptureError:
+            self._broken = True
+            raise
+
+
+def _file_name(folder_name: str) -> str:
+    """Return a name for files: metadata.yaml is text, and holds no bytes that are none."""
+    return ''.join(character if character.isprintable() else '_'
+                   for character in folder_name) or 'bag'
+
+
+def make_directory(folder: Path) -> None:
+    """Make a directory with its parents; CaptureError if it exists or cannot be made."""
+    with guard_writing(folder, 'make'):
+        refuse_new_device(folder)
+        try:
+            folder.mkdir(parents=True)
+        except FileExistsError as error:
+            raise ExistingFolderError(
+                f'{printable(folder)} exists already, and is not written over') from error
+
+
+def _end() -> bytes:
+    """Return what makes an MCAP file whole: an end without a summary."""
+    builder = RecordBuilder()
+    DataEnd(0).write(builder)
+    Footer(0, 0, 0).write(builder)
+    return bytes(builder.end()) + MCAP0_MAGIC  # type: ignore[no-untyped-call]

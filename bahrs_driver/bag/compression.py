@@ -1,0 +1,73 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Decompress what comes from a file, never to more than a limit.
+
+A few kilobytes can claim, or expand to, gigabytes. Data is decompressed a piece at a time, and a
+piece is only made once there was room for the ones before.
+"""
+
+from collections.abc import Callable
+import io
+from typing import BinaryIO
+
+from bahrs_driver.bag.bag_kind import ZSTD_MAGIC
+from bahrs_driver.errors import DamageError
+import zstandard
+
+PIECE = 1 << 20             # bytes decompressed at a time
+
+
+def decompress(compression: str, data: bytes, limit: int) -> bytes:
+    """Decompress data; DamageError if it is damaged, too large, or of an unknown compression."""
+    if compression not in _DECOMPRESSORS:
+        raise DamageError(f'compression {compression!r} is not supported')
+    try:
+        return _DECOMPRESSORS[compression](data, limit)
+    except (RuntimeError, zstandard.ZstdError) as error:    # lz4 raises the first
+        raise DamageError('it cannot be decompressed') from error
+
+
+def decompress_message(data: bytes, limit: int) -> bytes:
+    """Decompress a message if it is compressed: none begins with this magic otherwise."""
+    return decompress('zstd', data, limit) if data.startswith(ZSTD_MAGIC) else data
+
+
+def zstd_stream(file: BinaryIO) -> BinaryIO:
+    """Return a stream of what a compressed file holds, which can be read and seeked forward."""
+    reader: BinaryIO = zstandard.ZstdDecompressor().stream_reader(
+        file, read_across_frames=True, closefd=False)
+    return reader
+
+
+def _zstd(data: bytes, limit: int) -> bytes:
+    stream = zstd_stream(io.BytesIO(data))
+    return _collect(lambda: stream.read(PIECE), limit)
+
+
+def _lz4(data: bytes, limit: int) -> bytes:
+    from lz4.frame import LZ4FrameDecompressor
+    decompressor, rest = LZ4FrameDecompressor(), data
+
+    def read() -> bytes:
+        nonlocal rest
+        if decompressor.eof:
+            return b''
+        given, rest = rest, b''
+        piece: bytes = decompressor.decompress(given, PIECE)
+        return piece
+    return _collect(read, limit)
+
+
+def _collect(read: Callable[[], bytes], limit: int) -> bytes:
+    pieces, size = [], 0
+    while piece := read():
+        size += len(piece)
+        if size > limit:
+            raise DamageError(f'it expands to more than {limit:,} bytes')
+        pieces.append(piece)
+    return b''.join(pieces)
+
+
+_DECOMPRESSORS: dict[str, Callable[[bytes, int], bytes]] = {
+    '': lambda data, limit: data, 'zstd': _zstd, 'lz4': _lz4}

@@ -1,0 +1,151 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+MCAP files, read from front to back as far as they go.
+
+A recorder that was killed leaves a file without its end, so index and summary are not needed. A
+length that a file claims is never allocated: what is read is what is there, up to a limit, and
+records that are not of interest are passed over.
+"""
+
+from collections.abc import Iterator
+import contextlib
+import io
+import os
+import struct
+from typing import BinaryIO
+import zlib
+
+from bahrs_driver.bag.bag_kind import MCAP_MAGIC as MAGIC
+from bahrs_driver.bag.compression import decompress
+from bahrs_driver.bag.damage import Damage
+from bahrs_driver.bag.stored_message import LARGEST_PART, RAW_TYPE, StoredMessage
+from bahrs_driver.errors import DamageError
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
+from mcap.records import Channel, Chunk, Schema
+
+_HEAD = struct.Struct('<BQ')            # of a record: its kind and its length
+_MESSAGE = struct.Struct('<HIQQ')       # channel, sequence number, log time, publish time
+_PIECE = 1 << 20
+_DEFINITIONS = {Opcode.SCHEMA, Opcode.CHANNEL}
+_USED = {*_DEFINITIONS, Opcode.MESSAGE, Opcode.CHUNK}
+
+Record = tuple[int, bytes]
+
+
+def read_mcap(stream: BinaryIO, damage: Damage) -> Iterator[StoredMessage]:
+    """Yield the raw messages of a file in their order; DamageError where it ends too early."""
+    if stream.read(len(MAGIC)) != MAGIC:
+        raise DamageError('it is not an MCAP file')
+    channels = _Channels(stream, damage)
+    for record in _records(stream, damage, _USED):
+        for kind, content in _unpacked(record, damage):
+            if kind == Opcode.MESSAGE and len(content) >= _MESSAGE.size:
+                number, _, log_time, _ = _MESSAGE.unpack_from(content)
+                topic = channels.topic(number)
+                if topic is not None:
+                    yield StoredMessage(topic, log_time, content[_MESSAGE.size:])
+            elif kind in _DEFINITIONS:
+                channels.define(kind, content)
+    if stream.read(len(MAGIC)) != MAGIC:
+        raise DamageError('its end is missing')
+
+
+class _Channels:
+    """Knows the topics of the channels that have raw messages."""
+
+    def __init__(self, stream: BinaryIO, damage: Damage) -> None:
+        self._stream = stream
+        self._damage = damage
+        self._schemas: set[int] = set()
+        self._topics: dict[int, str | None] = {}    # by channel; None for another type
+        self._searched = False
+
+    def define(self, kind: int, content: bytes) -> None:
+        """Remember a schema or a channel."""
+        reader = ReadDataStream(io.BytesIO(content))
+        with self._damage.leaving_out('definition'):
+            if kind == Opcode.CHANNEL:
+                channel = Channel.read(reader)
+                wanted = channel.schema_id in self._schemas
+                self._topics[channel.id] = channel.topic if wanted else None
+            else:
+                schema = Schema.read(reader)
+                if schema.name == RAW_TYPE:
+                    self._schemas.add(schema.id)
+
+    def topic(self, number: int) -> str | None:
+        """Return the topic of a channel; None if its messages are of another type."""
+        if number not in self._topics and not self._searched:
+            self._search()
+        return self._topics.get(number)
+
+    def _search(self) -> None:
+        """Look for definitions in the summary: those in a damaged chunk are there once more."""
+        self._searched = True
+        if isinstance(self._stream, io.BufferedReader):     # what is decompressed has no way back
+            place = self._stream.tell()
+            self._stream.seek(len(MAGIC))
+            with contextlib.suppress(Exception):            # reading on will say what is wrong
+                for kind, content in _records(self._stream, self._damage, _DEFINITIONS):
+                    self.define(kind, content)
+            self._stream.seek(place)
+
+
+def _unpacked(record: Record, damage: Damage) -> Iterator[Record]:
+    """Yield the records in a chunk, or the record itself."""
+    kind, content = record
+    if kind != Opcode.CHUNK:
+        yield record
+        return
+    with damage.leaving_out('chunk'):
+        yield from _inner_records(_decompressed(content))
+
+
+def _decompressed(content: bytes) -> bytes:
+    chunk = Chunk.read(ReadDataStream(io.BytesIO(content)))
+    if chunk.uncompressed_size > LARGEST_PART:
+        raise DamageError(f'it claims to expand to {chunk.uncompressed_size:,} bytes')
+    data = decompress(chunk.compression, chunk.data, chunk.uncompressed_size)
+    if chunk.uncompressed_crc not in (0, zlib.crc32(data)):
+        raise DamageError('its checksum is wrong')
+    return data
+
+
+def _inner_records(content: bytes) -> Iterator[Record]:
+    place = 0
+    while place < len(content):
+        kind, length = _HEAD.unpack_from(content, place)
+        place += _HEAD.size
+        if place + length > len(content):
+            raise DamageError('a record in it is longer than the chunk')
+        if kind in _USED:
+            yield kind, content[place:place + length]
+        place += length
+
+
+def _records(stream: BinaryIO, damage: Damage, used: set[Opcode]) -> Iterator[Record]:
+    """Yield records of some kinds up to the footer, and pass over the others."""
+    kind = 0
+    while kind != Opcode.FOOTER:
+        kind, length = _HEAD.unpack(_exactly(stream, _HEAD.size))
+        if kind in used and length <= LARGEST_PART:
+            yield kind, _exactly(stream, length)
+            continue
+        if kind in used:
+            with damage.leaving_out('record'):
+                raise DamageError(f'it claims {length:,} bytes')
+        stream.seek(length, os.SEEK_CUR)
+
+
+def _exactly(stream: BinaryIO, length: int) -> bytes:
+    """Read so many bytes, a piece at a time, so that only what is there is allocated."""
+    pieces = []
+    while length:
+        piece = stream.read(min(length, _PIECE))
+        if not piece:
+            raise DamageError('it ends in the middle of a record')
+        pieces.append(piece)
+        length -= len(piece)
+    return b''.join(pieces)

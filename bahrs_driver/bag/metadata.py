@@ -1,0 +1,79 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The file metadata.yaml of a bag, in the form that rosbag2 of Jazzy has it (version 9)."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from bahrs_driver.bag.topics import definition, Topic
+from bahrs_driver.files.atomic_file import write_atomic
+import yaml
+
+VERSION = 9
+NAME = 'metadata.yaml'
+NEVER = 2 ** 63 - 1             # start of what has no message
+
+
+@dataclass
+class Span:
+    """What a file has; times are log times in ns."""
+
+    name: str = ''
+    count: int = 0
+    first: int = NEVER
+    last: int = 0
+    counts: dict[str, int] = field(default_factory=dict)    # by topic
+
+    def add(self, topic: str, time: int) -> None:
+        """Take note of a message."""
+        self.count += 1
+        self.first, self.last = min(self.first, time), max(self.last, time)
+        self.counts[topic] = self.counts.get(topic, 0) + 1
+
+    def times(self) -> dict[str, Any]:
+        """Return start and duration as rosbag2 writes them."""
+        return {'starting_time': {'nanoseconds_since_epoch': self.first},
+                'duration': {'nanoseconds': max(0, self.last - self.first)}}
+
+
+def write_metadata(folder: Path, topics: Iterable[Topic], files: list[Span]) -> None:
+    """Write the file, complete or not at all; WriteError if it cannot be written."""
+    text = as_yaml({'rosbag2_bagfile_information': information(topics, files)})
+    write_atomic(folder / NAME, text.encode(), replace=True)
+
+
+def as_yaml(data: Any) -> str:
+    """Return plain values as YAML."""
+    text: str = yaml.dump(data, Dumper=_Dumper, sort_keys=False)
+    return text
+
+
+def information(topics: Iterable[Topic], files: list[Span]) -> Mapping[str, Any]:
+    """Return what metadata.yaml says of a bag."""
+    whole = Span('', sum(file.count for file in files), min(file.first for file in files),
+                 max(file.last for file in files))
+    return {
+        'version': VERSION, 'storage_identifier': 'mcap', **whole.times(),
+        'message_count': whole.count,
+        'topics_with_message_count': [
+            {'topic_metadata': {
+                'name': topic.name, 'type': topic.type_name, 'serialization_format': 'cdr',
+                'offered_qos_profiles': list(topic.qos),
+                'type_description_hash': definition(topic.type_name)[1]},
+             'message_count': sum(file.counts.get(topic.name, 0) for file in files)}
+            for topic in topics],
+        'compression_format': '', 'compression_mode': '',
+        'relative_file_paths': [file.name for file in files],
+        'files': [{'path': file.name, **file.times(), 'message_count': file.count}
+                  for file in files],
+        'custom_data': None, 'ros_distro': 'jazzy'}
+
+
+class _Dumper(getattr(yaml, 'CSafeDumper', yaml.SafeDumper)):  # type: ignore[misc]
+    """Writes all out, without the references that rosbag2's reader need not understand."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        """Return that nothing is referred to."""
+        return True

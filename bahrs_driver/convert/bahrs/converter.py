@@ -1,0 +1,245 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What the messages of the BAHRS become in ROS.
+
+An inertial message gives `imu/data_raw`. A navigation message gives everything else, and carries
+the stamp of the inertial sample that it was made with, for both are of the same device time. A
+signal that is unavailable is not made up: what would have nothing else to say is not published,
+except for the Imu messages, in which a whole quantity is marked as not reported (REP-145) and a
+lone component is NaN.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+import math
+from typing import Any, NamedTuple
+
+from bahrs_driver.convert import atmosphere, covariance, ros
+from bahrs_driver.convert.axes import (
+    Convention, NO_ROTATION, Quaternion, quaternion_from_euler, same_sign,
+)
+from bahrs_driver.convert.bahrs import magnetic
+from bahrs_driver.convert.bahrs.integrity_notice import IntegrityNotice
+from bahrs_driver.convert.bahrs.integrity_policy import Appraisal, reported, Worth
+from bahrs_driver.convert.bahrs.orientation_accuracy import OrientationAccuracy
+from bahrs_driver.convert.bahrs.pairing import Pairing
+from bahrs_driver.convert.completeness import without_incomplete
+from bahrs_driver.convert.covariance import Matrix
+from bahrs_driver.protocol.bahrs.messages import (
+    Accuracy, Inertial, InertialTime, Navigation, SyncPulseTime,
+)
+from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.protocol.layout import Vector
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
+from sensor_msgs.msg import FluidPressure, Imu, MagneticField, NavSatFix, TimeReference
+from std_msgs.msg import Float64
+
+TOPICS: dict[str, type] = {
+    'imu/data_raw': Imu,
+    'imu/data': Imu,
+    'imu/mag': MagneticField,
+    'static_pressure': FluidPressure,
+    'pressure_altitude': NavSatFix,
+    'altitude/pose': PoseWithCovarianceStamped,
+    'velocity': TwistWithCovarianceStamped,
+    'heading': Float64,
+    'integrity': DiagnosticArray,
+    'time_reference': TimeReference,
+    'sync_pulse': TimeReference,
+}
+# Of these a late joiner gets what was last published.
+LATCHED = {'integrity'}
+
+TIME_SOURCE = 'bahrs'
+LONGEST_APART = 500_000_000     # ns by which a message may be stamped after its inertial sample
+LONGEST_TIME_US = 2 ** 31 * ros.MICROSECONDS     # what a ROS time can hold
+
+Outgoing = Iterator[tuple[str, Any]]
+
+
+@dataclass(frozen=True)
+class BahrsOptions:
+    """What the user may choose: frames, axes, assumed deviations (SI), field and risk policy."""
+
+    frame_id: str
+    world_frame_id: str
+    convention: Convention
+    force_stddev: float
+    rate_stddev: float
+    height_stddev: float
+    velocity_stddev: float
+    declination: float
+    field_strength: float
+    field_dip: float
+    publish_field: bool
+    appraisal: Appraisal
+    orientation_fallback: float = 0.0       # rad; 0 is unknown
+    withhold_incomplete: bool = False
+
+
+class _Sample(NamedTuple):
+    """An inertial sample in published axes, with NaN for what has no worth."""
+
+    stamp_ns: int
+    force: Vector
+    force_covariance: Matrix
+    rate: Vector
+    rate_covariance: Matrix
+
+
+class BahrsConverter:
+    """Turns the stream of device messages into (topic, ROS message) pairs."""
+
+    def __init__(self, options: BahrsOptions) -> None:
+        """Convert as the options say."""
+        self._options = options
+        self._accuracy = OrientationAccuracy(
+            options.convention, options.declination, options.orientation_fallback)
+        self._notice = IntegrityNotice(Inertial.SIGNALS + Navigation.SIGNALS)
+        self._handlers: dict[type, Callable[[Any, int], Outgoing]] = {
+            Inertial: self._inertial, Navigation: self._navigation, Accuracy: self._take_accuracy,
+            InertialTime: self._time, SyncPulseTime: self._pulse}
+        self._forget()
+
+    @property
+    def signals(self) -> Mapping[str, Integrity | None]:
+        """Present integrity of each signal; None if it was not heard of."""
+        return self._notice.signals
+
+    def lost(self, stamp_ns: int) -> Outgoing:
+        """Forget the stream; return the notice that no signal is known. stamp_ns is present."""
+        self._forget()
+        notice = self._notice.forget(stamp_ns, self._options.frame_id)
+        return iter([('integrity', notice)] if notice else [])
+
+    def silent(self, stamp_ns: int) -> Outgoing:
+        """Return the notice that no signal is known any more. stamp_ns is the present time."""
+        notice = self._notice.forget(stamp_ns, self._options.frame_id) \
+            if self._notice.known else None
+        return iter([('integrity', notice)] if notice else [])
+
+    def convert(self, message: object, stamp_ns: int) -> Outgoing:
+        """
+        Return what a message becomes, one by one; nothing for those that no topic carries.
+
+        stamp_ns is the message's time in nanoseconds since the epoch.
+        """
+        handler = self._handlers.get(type(message))
+        outgoing = handler(message, stamp_ns) if handler else iter(())
+        return without_incomplete(outgoing) if self._options.withhold_incomplete else outgoing
+
+    def _forget(self) -> None:
+        self._pairing = Pairing[_Sample]()
+        self._accuracy.begin()
+        self._orientation = NO_ROTATION
+        self._navigation_stamp = 0
+
+    def _inertial(self, message: Inertial, stamp_ns: int) -> Outgoing:
+        yield from self._changes(message, stamp_ns)
+        options = self._options
+        worth = options.appraisal.of(message.health)
+        sample = _Sample(
+            stamp_ns,
+            options.convention.body(reported(message.specific_force, worth[:3])),
+            covariance.of_vector(worth[:3], options.force_stddev),
+            options.convention.body(reported(message.angular_rate, worth[3:])),
+            covariance.of_vector(worth[3:], options.rate_stddev))
+        self._pairing.inertial(message.sequence, sample)
+        yield 'imu/data_raw', self._imu(sample, None, covariance.NOT_REPORTED)
+
+    def _time(self, message: InertialTime, stamp_ns: int) -> Outgoing:
+        if message.valid:
+            yield from self._reference('time_reference', message.device_time_us, stamp_ns)
+
+    def _pulse(self, message: SyncPulseTime, stamp_ns: int) -> Outgoing:
+        yield from self._reference('sync_pulse', message.device_time_us, stamp_ns)
+
+    def _reference(self, topic: str, device_time_us: int, stamp_ns: int) -> Outgoing:
+        if device_time_us < LONGEST_TIME_US:
+            yield topic, ros.time_reference(ros.header(stamp_ns, self._options.frame_id),
+                                            device_time_us, TIME_SOURCE)
+
+    def _take_accuracy(self, message: Accuracy, _stamp_ns: int) -> Outgoing:
+        self._accuracy.take(message)
+        return iter(())
+
+    def _navigation(self, message: Navigation, stamp_ns: int) -> Outgoing:
+        self._accuracy.count_navigation()
+        sample = self._sample_of(message, stamp_ns)
+        yield from self._changes(message, sample.stamp_ns)
+        height, velocity, roll, pitch, heading = self._options.appraisal.of(message.health)
+        if height is not None:
+            yield from self._height(message.pressure_height, height, sample.stamp_ns)
+        if velocity is not None:
+            yield from self._velocity(message.velocity_down, velocity, sample.stamp_ns)
+        level = None if roll is None or pitch is None else max(roll, pitch)
+        yield from self._attitude(message, sample, level, heading)
+        if level is not None and heading is not None and self._options.publish_field:
+            yield from self._field(message, max(level, heading), sample.stamp_ns)
+        yield 'heading', ros.number(
+            math.nan if heading is None else math.degrees(message.magnetic_heading) % 360.0)
+
+    def _sample_of(self, message: Navigation, stamp_ns: int) -> _Sample:
+        """Return the inertial sample of a navigation message, or one without values."""
+        sample = self._pairing.navigation(message.sequence)
+        if sample is None or stamp_ns - sample.stamp_ns > LONGEST_APART:
+            sample = _no_sample(stamp_ns)
+        elif sample.stamp_ns == self._navigation_stamp:     # the frame came twice
+            sample = sample._replace(stamp_ns=stamp_ns)
+        self._navigation_stamp = sample.stamp_ns
+        return sample
+
+    def _changes(self, message: Inertial | Navigation, stamp_ns: int) -> Outgoing:
+        notice = self._notice.update(message.SIGNALS, message.health, stamp_ns,
+                                     self._options.frame_id)
+        if notice is not None:
+            yield 'integrity', notice
+
+    def _height(self, height: float, worth: float, stamp_ns: int) -> Outgoing:
+        options = self._options
+        deviation = options.height_stddev * math.sqrt(worth)
+        here = ros.header(stamp_ns, options.frame_id)
+        world = ros.header(stamp_ns, options.world_frame_id)
+        _, _, z = options.convention.world((0.0, 0.0, -height))
+        yield 'static_pressure', ros.fluid_pressure(
+            here, atmosphere.pressure(height), atmosphere.pressure_gradient(height) * deviation)
+        yield 'pressure_altitude', ros.altitude_fix(here, height, deviation)
+        yield 'altitude/pose', ros.height_pose(world, z, deviation)
+
+    def _velocity(self, velocity_down: float, worth: float, stamp_ns: int) -> Outgoing:
+        options = self._options
+        _, _, z = options.convention.world((0.0, 0.0, velocity_down))
+        yield 'velocity', ros.vertical_twist(ros.header(stamp_ns, options.world_frame_id), z,
+                                             options.velocity_stddev * math.sqrt(worth))
+
+    def _attitude(self, message: Navigation, sample: _Sample, level: Worth,
+                  heading: Worth) -> Outgoing:
+        if level is None:
+            yield 'imu/data', self._imu(sample, None, covariance.NOT_REPORTED)
+            return
+        yaw = 0.0 if heading is None else message.magnetic_heading + self._options.declination
+        rotation = quaternion_from_euler(message.roll, message.pitch, yaw)
+        self._orientation = same_sign(self._options.convention.orientation(rotation),
+                                      self._orientation)
+        yield 'imu/data', self._imu(sample, self._orientation,
+                                    self._accuracy.matrix(level, heading))
+
+    def _field(self, message: Navigation, worth: float, stamp_ns: int) -> Outgoing:
+        options, accuracy = self._options, self._accuracy
+        field, spread = magnetic.derived_field(
+            message.roll, message.pitch, message.magnetic_heading, accuracy.heading(worth),
+            options.field_strength, options.field_dip, options.convention, accuracy.north(worth))
+        yield 'imu/mag', ros.magnetic_field(
+            ros.header(stamp_ns, options.frame_id), field, spread)
+
+    def _imu(self, sample: _Sample, orientation: Quaternion | None, spread: Matrix) -> Imu:
+        head = ros.header(sample.stamp_ns, self._options.frame_id)
+        return ros.imu(head, orientation, spread, sample.rate, sample.rate_covariance,
+                       sample.force, sample.force_covariance)
+
+
+def _no_sample(stamp_ns: int) -> _Sample:
+    return _Sample(stamp_ns, ros.NO_VECTOR, covariance.NOT_REPORTED,
+                   ros.NO_VECTOR, covariance.NOT_REPORTED)

@@ -1,0 +1,282 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What the answers of the Titan-M become in ROS.
+
+Each answer is measured, and stamped, by itself. `imu/data` has the attitude of a state answer
+under its stamp, with the calibrated force and rate of the sensor answer just before it. What
+is not a number is not reported.
+
+The document speaks of velocity north and east and of heading, and of UTM only for the position.
+So they are taken to be from true north, and the convergence of the grid does not come in.
+"""
+
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass
+import math
+from typing import Any, NamedTuple
+
+from bahrs_driver.convert import covariance, ros
+from bahrs_driver.convert.axes import (
+    Convention, NO_ROTATION, Quaternion, quaternion_from_euler, same_sign, turned_to_body,
+)
+from bahrs_driver.convert.completeness import without_incomplete
+from bahrs_driver.convert.covariance import Matrix
+from bahrs_driver.convert.titan_m.gps_time import GpsTime
+from bahrs_driver.convert.utm import to_wgs84
+from bahrs_driver.protocol.layout import Vector
+from bahrs_driver.protocol.titan_m.byte_order import PayloadReader
+from bahrs_driver.protocol.titan_m.frames import Answer
+from bahrs_driver.protocol.titan_m.messages import (
+    ADC_FORCE, ADC_RATE_DEG, Gps, Sensors, State, TitanAnswer,
+)
+from geometry_msgs.msg import TwistWithCovarianceStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import (
+    FluidPressure, Imu, MagneticField, NavSatFix, Temperature, TimeReference,
+)
+from std_msgs.msg import Float64
+
+TOPICS: dict[str, type] = {
+    'imu/data_raw': Imu,
+    'imu/data': Imu,
+    'imu/mag': MagneticField,
+    'static_pressure': FluidPressure,
+    'differential_pressure': FluidPressure,
+    'temperature': Temperature,
+    'fix': NavSatFix,
+    'velocity': TwistWithCovarianceStamped,
+    'odometry': Odometry,
+    'heading': Float64,
+    'time_reference': TimeReference,
+}
+LATCHED: set[str] = set()
+
+ABSENT_NS = 2_000_000_000       # after which an answer that never came is not asked for
+TOGETHER_NS = 25_000_000        # a sensor answer and a state answer that make one imu/data
+TIME_SOURCE = 'gps'
+ADC_RATE = math.radians(ADC_RATE_DEG)   # rad/s
+ROUNDING = math.sqrt(1 / 12)            # standard deviation of what rounding leaves, in quanta
+
+Outgoing = Iterator[tuple[str, Any]]
+
+
+@dataclass(frozen=True)
+class TitanDeviations:
+    """Assumed standard deviations (SI); 0 is unknown."""
+
+    force: float
+    rate: float
+    attitude: float
+    heading: float
+    velocity: float
+    position: float
+    altitude: float
+    field: float
+    static_pressure: float
+    differential_pressure: float
+    temperature: float
+
+
+@dataclass(frozen=True)
+class TitanOptions:
+    """What the user may choose: frames, axes, deviations; angles in rad, heights in m."""
+
+    frame_id: str
+    world_frame_id: str
+    convention: Convention
+    deviations: TitanDeviations
+    declination: float
+    geoid_height: float
+    gps_week: int
+    leap_seconds: int
+    # Velocity is that of the GPS without a state, and only the GPS tells whether there was a fix.
+    asked: Collection[type[TitanAnswer]] | None     # None: others ask, and what comes will tell
+    withhold_incomplete: bool = False
+
+
+class _Sample(NamedTuple):
+    """Calibrated force and rate in published axes."""
+
+    stamp_ns: int
+    force: Vector
+    rate: Vector
+
+
+class TitanConverter:
+    """Turns answers into (topic, ROS message) pairs."""
+
+    def __init__(self, options: TitanOptions, reader: PayloadReader[int]) -> None:
+        """Convert as the options say; reader knows in which byte order."""
+        self._options = options
+        self._reader = reader
+        self._gps_time = GpsTime(options.gps_week, options.leap_seconds)
+        self._handlers: dict[type, Callable[[Any, int], Outgoing]] = {
+            State: self._state, Gps: self._gps, Sensors: self._sensors}
+        deviations = options.deviations
+        self._orientation_spread = covariance.of_orientation(options.convention.diagonal(
+            (deviations.attitude, deviations.attitude, deviations.heading)))
+        self._spreads = _spreads(deviations.force), _spreads(deviations.rate)
+        self._raw_spreads = (_spreads(math.hypot(deviations.force, ADC_FORCE * ROUNDING)),
+                             _spreads(math.hypot(deviations.rate, ADC_RATE * ROUNDING)))
+        self._forget()
+
+    def lost(self, stamp_ns: int) -> Outgoing:
+        """Forget the stream; nothing is to be said about its end."""
+        self._forget()
+        return iter(())
+
+    def silent(self, stamp_ns: int) -> Outgoing:
+        """Return nothing: no topic tells of the present."""
+        return iter(())
+
+    def convert(self, message: object, stamp_ns: int) -> Outgoing:
+        """
+        Return what an answer becomes, and those that waited for their byte order, one by one.
+
+        stamp_ns is the answer's time in nanoseconds since the epoch.
+        """
+        outgoing = self._convert(message, stamp_ns)
+        return without_incomplete(outgoing) if self._options.withhold_incomplete else outgoing
+
+    def _convert(self, message: object, stamp_ns: int) -> Outgoing:
+        if isinstance(message, Answer) and message.wanted:
+            for known, stamp in self._reader.read(message.kind, message.payload, stamp_ns):
+                self._heard.setdefault(type(known), stamp)
+                yield from self._handlers[type(known)](known, stamp)
+
+    @property
+    def gps_text(self) -> str:
+        """Return what the GPS says at present, in words."""
+        return self._gps_text
+
+    @property
+    def week_problem(self) -> str:
+        """Return what is wrong with the GPS week, in a sentence; empty if nothing is."""
+        return self._gps_time.problem
+
+    def take_notices(self) -> list[str]:
+        """Return sentences for the log since the last call."""
+        return self._gps_time.take_notices()
+
+    def _forget(self) -> None:
+        self._reader.begin()
+        self._orientation = NO_ROTATION
+        self._sample: _Sample | None = None
+        self._had_fix = False
+        self._gps_text = 'not heard'
+        self._heard: dict[type, int] = {}       # stamp of the first answer of each kind
+
+    def _comes(self, kind: type[TitanAnswer], stamp_ns: int) -> bool:
+        """Whether answers of a kind come, as far as can be known now."""
+        if self._options.asked is not None:
+            return kind in self._options.asked
+        return kind in self._heard or stamp_ns - min(self._heard.values()) < ABSENT_NS
+
+    def _sensors(self, message: Sensors, stamp_ns: int) -> Outgoing:
+        options, deviations = self._options, self._options.deviations
+        head = ros.header(stamp_ns, options.frame_id)
+        body = options.convention.body
+        x, y, z = message.adc_angular_rate_deg
+        yield 'imu/data_raw', self._imu(
+            stamp_ns, None, body(message.adc_acceleration),
+            body((math.radians(x), math.radians(y), math.radians(z))), self._raw_spreads)
+        self._sample = _Sample(stamp_ns, body(_numbers(message.acceleration)),
+                               body(_numbers(message.angular_rate)))
+        if any(message.magnetic_field_tesla):
+            yield 'imu/mag', ros.magnetic_field(
+                head, body(message.magnetic_field_tesla),
+                covariance.diagonal((deviations.field ** 2,) * 3))
+        if message.absolute_pressure:
+            yield 'static_pressure', ros.fluid_pressure(
+                head, message.absolute_pressure, deviations.static_pressure)
+        yield 'differential_pressure', ros.fluid_pressure(
+            head, message.differential_pressure, deviations.differential_pressure)
+        yield 'temperature', ros.temperature(head, message.temperature_c, deviations.temperature)
+
+    def _state(self, message: State, stamp_ns: int) -> Outgoing:
+        options = self._options
+        known = _finite(message.attitude)
+        roll, pitch, heading = message.attitude
+        rotation = quaternion_from_euler(
+            roll, pitch, heading + options.declination) if known else None
+        sample = self._sample
+        if sample and abs(stamp_ns - sample.stamp_ns) > TOGETHER_NS:
+            sample = None
+        if rotation:
+            self._orientation = same_sign(options.convention.orientation(rotation),
+                                          self._orientation)
+        _, force, rate = sample or _Sample(0, ros.NO_VECTOR, ros.NO_VECTOR)
+        yield 'imu/data', self._imu(
+            stamp_ns, self._orientation if rotation else None, force, rate, self._spreads)
+        if _finite(message.velocity_ned):
+            yield 'velocity', self._twist(message.velocity_ned, stamp_ns)
+        if rotation and _finite(message.position_ned + message.velocity_ned) \
+                and (self._had_fix or not self._comes(Gps, stamp_ns)):
+            yield 'odometry', self._odometry(message, rotation, stamp_ns)
+        yield 'heading', ros.number(math.degrees(heading) % 360.0 if known else math.nan)
+
+    def _gps(self, message: Gps, stamp_ns: int) -> Outgoing:
+        options = self._options
+        place = to_wgs84(message.easting, message.northing, message.zone, message.northern)
+        head = ros.header(stamp_ns, options.frame_id)
+        yield 'fix', ros.position_fix(
+            head, place, message.altitude + options.geoid_height, options.deviations.position,
+            options.deviations.altitude)
+        if place:
+            self._had_fix = True
+            if not self._comes(State, stamp_ns):
+                yield 'velocity', self._twist(message.velocity_ned, stamp_ns)
+        self._gps_text = f"fix in zone {message.zone} {'north' if message.northern else 'south'}" \
+            if place else 'no fix'
+        # A time of 0 is one that is not known, and says nothing about the week.
+        time = self._gps_time.utc_us(message.gps_time_s, stamp_ns) if message.gps_time_s else None
+        if time is not None:
+            yield 'time_reference', ros.time_reference(head, time, TIME_SOURCE)
+
+    def _twist(self, velocity: Vector, stamp_ns: int) -> TwistWithCovarianceStamped:
+        options = self._options
+        return ros.twist(ros.header(stamp_ns, options.world_frame_id),
+                         options.convention.world(velocity), options.deviations.velocity)
+
+    def _odometry(self, message: State, rotation: Quaternion, stamp_ns: int) -> Odometry:
+        options, deviations = self._options, self._options.deviations
+        turn = [self._orientation_spread[i] for i in (0, 4, 8)]
+        rate = (deviations.rate ** 2 if _finite(message.angular_rate)
+                else covariance.UNKNOWN_VARIANCE)
+        position = (deviations.position ** 2, deviations.position ** 2, deviations.altitude ** 2)
+        return ros.odometry(
+            ros.header(stamp_ns, options.world_frame_id), options.frame_id,
+            options.convention.world(message.position_ned),
+            self._orientation,
+            covariance.of_pairs(position, turn),
+            options.convention.body(turned_to_body(message.velocity_ned, rotation)),
+            options.convention.body(_numbers(message.angular_rate)),
+            covariance.of_pairs((deviations.velocity ** 2,) * 3, (rate,) * 3))
+
+    def _imu(self, stamp_ns: int, orientation: Quaternion | None, force: Vector, rate: Vector,
+             spreads: tuple[Matrix, Matrix]) -> Imu:
+        options = self._options
+        force_spread, rate_spread = spreads
+        return ros.imu(
+            ros.header(stamp_ns, options.frame_id),
+            orientation, self._orientation_spread,
+            rate, _known(rate, rate_spread), force, _known(force, force_spread))
+
+
+def _finite(values: tuple[float, ...]) -> bool:
+    return all(map(math.isfinite, values))
+
+
+def _numbers(vector: Vector) -> Vector:
+    """Return the vector with NaN in place of infinity, which no quantity is either."""
+    x, y, z = (value if math.isfinite(value) else math.nan for value in vector)
+    return x, y, z
+
+
+def _spreads(deviation: float) -> Matrix:
+    return covariance.of_vector((1.0,) * 3, deviation)
+
+
+def _known(values: Vector, spread: Matrix) -> Matrix:
+    return spread if _finite(values) else covariance.NOT_REPORTED

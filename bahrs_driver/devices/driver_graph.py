@@ -1,0 +1,87 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Find drivers among the nodes that run, whatever they are called and however they are remapped.
+
+What the graph says comes from other processes: a node may be gone by the time that it is asked
+about, and its name may be anything. None of that may end the search.
+"""
+
+from collections.abc import Callable
+from typing import TypeVar
+
+from bahrs_driver.convert.bahrs.converter import TOPICS as BAHRS_TOPICS
+from bahrs_driver.convert.titan_m.converter import TOPICS as TITAN_TOPICS
+from bahrs_driver.ros.node_names import full_name, NodeChoice, Selection, split_name, USUAL_NAME
+from rclpy.node import Node
+
+LOOK_PERIOD = 0.2           # s between looks at what nodes of other names offer, which take longer
+SELF_TEST = 'diagnostic_msgs/srv/SelfTest'
+
+Item = TypeVar('Item')
+
+
+def _type_name(kind: type) -> str:
+    return f"{kind.__module__.partition('.')[0]}/msg/{kind.__name__}"
+
+
+# Types that a driver of any sensor publishes.
+TYPES = frozenset(map(_type_name, BAHRS_TOPICS.values())) \
+    & frozenset(map(_type_name, TITAN_TOPICS.values()))
+
+
+def node_names(node: Node) -> list[str]:
+    """Return the fully qualified names of all nodes; a name that two nodes have is there twice."""
+    return [full_name(*found) for found in _ask(node.get_node_names_and_namespaces)]
+
+
+class NodeSearch:
+    """Looks for the node that a choice is about, as often as it is asked to."""
+
+    def __init__(self, choice: NodeChoice) -> None:
+        """Search on behalf of a choice, and offer it the nodes that are found."""
+        self.choice = choice
+        self._next_look = 0.0
+
+    def update(self, node: Node, now: float) -> str:
+        """Look at the graph of a node at a time in seconds (monotonic); return what is chosen."""
+        if not self.choice.settled(now):
+            names = [name for name in node_names(node) if self.choice.selection.matches(name)]
+            if not self.choice.selection.name:
+                names = self._drivers(node, names, now)
+            self.choice.offer(names, now)
+        return self.choice.chosen
+
+    def _drivers(self, node: Node, names: list[str], now: float) -> list[str]:
+        usual = [name for name in names if split_name(name)[0] == USUAL_NAME]
+        if now < self._next_look:
+            return usual
+        self._next_look = now + LOOK_PERIOD
+        return [*usual, *(name for name in names if name not in usual and is_driver(node, name))]
+
+
+def find_drivers(node: Node, namespace: str = '') -> list[str]:
+    """Return the drivers that run in a namespace, or in any."""
+    selection = Selection('', namespace)
+    return [name for name in sorted(set(node_names(node)))
+            if selection.matches(name) and is_driver(node, name)]
+
+
+def is_driver(node: Node, full: str) -> bool:
+    """Return whether a node has the service and publishes the types that a driver does."""
+    services = _ask(lambda: node.get_service_names_and_types_by_node(*split_name(full)))
+    if not any(SELF_TEST in types for _, types in services):
+        return False
+    return TYPES <= {kind for _, types in published(node, full) for kind in types}
+
+
+def published(node: Node, full: str) -> list[tuple[str, list[str]]]:
+    """Return the topics that a node publishes, each with its types; none if it is gone."""
+    return _ask(lambda: node.get_publisher_names_and_types_by_node(*split_name(full)))
+
+
+def _ask(question: Callable[[], list[Item]]) -> list[Item]:
+    try:
+        return question()
+    except Exception:       # a node that is gone, or a name that rcl or Python refuses
+        return []

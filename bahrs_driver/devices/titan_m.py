@@ -1,0 +1,124 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The parts that drive a Titan-M."""
+
+from collections.abc import Iterator, Mapping
+import math
+from typing import Any
+
+from bahrs_driver.clock import (
+    ArrivalStamps, byte_time_ns, Clock, ExchangeClock, NANOSECONDS,
+)
+from bahrs_driver.convert.axes import CONVENTIONS
+from bahrs_driver.convert.titan_m.converter import (
+    LATCHED, TitanConverter, TitanDeviations, TitanOptions, TOPICS,
+)
+from bahrs_driver.devices.spec import Sensor
+from bahrs_driver.devices.titan_m_health import TitanHealth
+from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.protocol.titan_m.byte_order import PayloadReader
+from bahrs_driver.protocol.titan_m.frames import (
+    answer_size, AnswerCodec, AnswerFormat, REQUEST_SIZE,
+)
+from bahrs_driver.protocol.titan_m.messages import (
+    GpsRequest, SensorsRequest, StateRequest, TitanRequest)
+from bahrs_driver.protocol.titan_m.poller import Poller, PollOptions
+from bahrs_driver.transport.link import Link
+from bahrs_driver.transport.requester import Requester
+
+SILENCE_HINT = 'is the device powered, are both of its lines connected, and is {} its baud rate?'
+UNASKED_HINT = ('nothing is asked, as state.rate, gps.rate and sensors.rate are 0, and another '
+                'program seems not to ask either')
+PAUSES = 2.5            # periods of the most frequent answer, after which it is silent
+# With these it asks nothing, and takes what comes.
+LISTENING: Mapping[str, Any] = dict.fromkeys(('state.rate', 'gps.rate', 'sensors.rate'), 0.0)
+
+
+def titan_m(settings: Mapping[str, Any], link: Link) -> Sensor:
+    """Return the parts for a Titan-M on a link. If nothing is to be asked, it only listens."""
+    frame_format = AnswerFormat(settings['checksum_order'])
+    rates = _rates(settings)
+    poller = Poller(rates, frame_format, PollOptions(
+        pipelined=settings['request.pipelined'],
+        timeout=round(settings['request.timeout'] * NANOSECONDS),
+        retries=settings['request.retries'],
+        counted_ids=settings['request.message_id'] == 'counted',
+        checksum_order=settings['checksum_order']))
+    requester = Requester(link, poller) if any(rates.values()) else None
+    if requester:
+        frame_format.expected = requester.expected
+    reader = PayloadReader[int](settings['payload_order'])
+    converter = TitanConverter(_options(settings, rates), reader)
+    asked = {kind.ANSWER.NAME: rate for kind, rate in rates.items() if rate or not requester}
+    silence_timeout = max(settings['diagnostics.silence_timeout'],
+                          PAUSES / max(rates.values()) if requester else 0.0)
+    health = TitanHealth(
+        asked, settings['diagnostics.rate_tolerance'], silence_timeout,
+        poller if requester else None, reader, lambda: converter.gps_text,
+        lambda: converter.week_problem,
+        lambda: requester.write_error if requester else '')
+
+    def protocol() -> Mapping[str, str]:
+        lengths = {kind.NAME: f'0x{length:02X}'
+                   for kind, length in sorted(frame_format.lengths_seen.items(),
+                                              key=lambda item: item[0].NAME)}
+        return {'Payload byte order': reader.order or 'not known yet',
+                'Checksum byte order': frame_format.checksum_order.seen or 'not seen yet',
+                'LEN': ', '.join(f'{name} {text}' for name, text in lengths.items())
+                or 'not seen yet'}
+
+    silence_hint = SILENCE_HINT.format(settings['baud_rate']) if requester else UNASKED_HINT
+    return Sensor(Framer(frame_format), requester or AnswerCodec(), _clock(settings),
+                  converter, health, TOPICS, LATCHED, protocol, silence_timeout, silence_hint,
+                  requester=requester, take_notices=converter.take_notices,
+                  warnings=tuple(_warnings(settings, rates)))
+
+
+def _rates(settings: Mapping[str, Any]) -> dict[type[TitanRequest], float]:
+    # Sensors before state: they are what imu/data has of force and rate.
+    return {SensorsRequest: settings['sensors.rate'], StateRequest: settings['state.rate'],
+            GpsRequest: settings['gps.rate']}
+
+
+def _clock(settings: Mapping[str, Any]) -> Clock:
+    latency = round(settings['time.fixed_latency'] * NANOSECONDS)
+    if settings['time.source'] == 'arrival':
+        return ArrivalStamps(latency)
+    return ExchangeClock(REQUEST_SIZE, latency)
+
+
+def _warnings(settings: Mapping[str, Any],
+              rates: Mapping[type[TitanRequest], float]) -> Iterator[str]:
+    if settings['time.source'] == 'sync_pulse':
+        yield ("parameter time.source is 'sync_pulse': a titan_m has no sync pulses, stamps are "
+               "the middle of request and answer, as with 'device'")
+    if not any(rates.values()):
+        yield ('parameters state.rate, gps.rate and sensors.rate are all 0: the device is asked '
+               'nothing, and what it says to somebody else is taken')
+    use = sum(rate * answer_size(kind.ANSWER) for kind, rate in rates.items()) \
+        * byte_time_ns(settings['baud_rate']) / NANOSECONDS
+    if use > 1:
+        yield (f'parameters state.rate, gps.rate and sensors.rate ask for {use:.0%} of what the '
+               f"line carries at {settings['baud_rate']} baud: the rates will be lower")
+
+
+def _options(settings: Mapping[str, Any],
+             rates: Mapping[type[TitanRequest], float]) -> TitanOptions:
+    return TitanOptions(
+        frame_id=settings['frame_id'],
+        world_frame_id=settings['world_frame_id'],
+        convention=CONVENTIONS[settings['frame_convention']],
+        deviations=TitanDeviations(
+            force=settings['stddev.specific_force'], rate=settings['stddev.angular_rate'],
+            attitude=settings['stddev.attitude'], heading=settings['stddev.heading'],
+            velocity=settings['stddev.velocity'], position=settings['stddev.position'],
+            altitude=settings['stddev.altitude'], field=settings['stddev.magnetic_field'],
+            static_pressure=settings['stddev.static_pressure'],
+            differential_pressure=settings['stddev.differential_pressure'],
+            temperature=settings['stddev.temperature']),
+        declination=math.radians(settings['magnetic_field.declination']),
+        geoid_height=settings['gps.geoid_height'],
+        gps_week=settings['gps.week'],
+        leap_seconds=settings['gps.leap_seconds'],
+        asked={kind.ANSWER for kind, rate in rates.items() if rate} or None,
+        withhold_incomplete=settings['publish.incomplete'] == 'withhold')

@@ -1,0 +1,120 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""A Titan-M in simulated time: what it answers, and when. No I/O."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+import math
+import random
+
+from bahrs_driver.emulator.device import Emission
+from bahrs_driver.emulator.titan_m.measurements import TitanMeasures
+from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.protocol.schedule import Schedule
+from bahrs_driver.protocol.titan_m.frames import (
+    build_answer, message_id, OrderChoice, request_of, REQUEST_SIZE, RequestFormat,
+)
+from bahrs_driver.protocol.titan_m.messages import ByteOrder, Sensors, TitanAnswer
+
+NS = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class TitanHabits:
+    """What differs between one Titan-M and another; times in s."""
+
+    payload_order: ByteOrder = 'little'
+    checksum_order: ByteOrder = 'big'
+    request_order: OrderChoice = 'auto'     # of the checksums that it takes
+    sensors_length: int = Sensors.LENGTHS[0]
+    returns_id: bool = True                 # or always answers with id 0
+    answer_delay: float = 0.0005            # from a request to its answer
+    late_share: float = 0.0                 # of answers that take longer
+    late_delay: float = 0.1
+    start_up: float = 1.0                   # of silence after power-on
+    first_fix: float = 0.0                  # after the start-up
+    # Hz by kind of answer: as if somebody asked, for recordings that nobody asks for.
+    by_itself: Mapping[type[TitanAnswer], float] = field(default_factory=dict)
+
+
+class TitanDevice:
+    """
+    A Titan-M that is on from time 0. All times are true ones, in seconds.
+
+    `misunderstood` counts the bytes from the host that were no request.
+    """
+
+    def __init__(self, habits: TitanHabits, measures: TitanMeasures, byte_time: float,
+                 seed: int = 1) -> None:
+        """Switch it on. A byte takes byte_time on the line; seed is of late answers."""
+        self._habits = habits
+        self._measures = measures
+        self._request_time = REQUEST_SIZE * byte_time
+        self._random = random.Random(f'late {seed}')
+        self._schedule = Schedule(habits.by_itself)
+        self._schedule.begin(0)
+        self.power_cycle(0.0)
+
+    @property
+    def next_time(self) -> float:
+        """When step() is due: only if it speaks by itself."""
+        due = self._schedule.next_after(-1)
+        return math.inf if due is None else due / NS
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """Return nothing: it does not tell what its signals are worth."""
+        return ()
+
+    @property
+    def misunderstood(self) -> int:
+        """How many bytes from the host were no request."""
+        return self._requests.counters.skipped_bytes
+
+    def step(self) -> list[Emission]:
+        """Answer what is due at next_time as if it had been asked for."""
+        time = self.next_time
+        emissions = []
+        for kind in self._schedule.due(round(time * NS)):
+            self._schedule.take(kind, round(time * NS))
+            if time >= self._ready:
+                emissions.append(self._answer(kind, 0, time))
+        return emissions
+
+    def receive(self, data: bytes, time: float) -> list[Emission]:
+        """Take what the host sent, and return the answers."""
+        if time < self._ready:
+            return []
+        return [self._answer(request_of(frame).ANSWER, message_id(frame),
+                             time + self._request_time)
+                for frame in self._requests.feed(data)]
+
+    def power_cycle(self, time: float) -> None:
+        """Switch off and on again."""
+        self._requests = Framer(RequestFormat(self._habits.request_order))
+        self._measures.restart()
+        self._ready = time + (self._habits.start_up if time else 0.0)
+
+    def set_integrity(self, signals: tuple[str, ...], integrity: Integrity) -> None:
+        """Refuse (ValueError): it does not tell what its signals are worth."""
+        raise ValueError('a titan_m does not tell what its signals are worth')
+
+    def set_drift(self, ppm: float) -> None:
+        """Refuse (ValueError): nothing that it tells is by its own clock."""
+        raise ValueError('a titan_m tells no time of its own')
+
+    def set_pulse_rate(self, rate: float) -> None:
+        """Refuse (ValueError): it has no input for pulses."""
+        raise ValueError('a titan_m has no input for sync pulses')
+
+    def _answer(self, kind: type[TitanAnswer], request_id: int, time: float) -> Emission:
+        habits = self._habits
+        has_fix = time >= self._ready + habits.first_fix
+        message, truth = self._measures.measure(kind, time, has_fix)
+        length = habits.sensors_length if kind is Sensors else None
+        frame = build_answer(message, request_id if habits.returns_id else 0,
+                             habits.payload_order, habits.checksum_order, length)
+        late = habits.late_share and self._random.random() < habits.late_share
+        return Emission(time + (habits.late_delay if late else habits.answer_delay), frame,
+                        kind.NAME, truth, time)

@@ -1,0 +1,152 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a Titan-M measures on its way, as the messages that it answers with."""
+
+from collections.abc import Callable, Mapping
+import math
+from typing import Any, NamedTuple
+
+from bahrs_driver.emulator.ground_path import GroundPath, Place
+from bahrs_driver.emulator.motion import Truth
+from bahrs_driver.emulator.noise import Noise, Values
+from bahrs_driver.protocol.layout import Vector
+from bahrs_driver.protocol.titan_m.messages import (
+    ADC_FORCE, ADC_RATE_DEG, FIELD, Gps, Sensors, State, TitanAnswer,
+)
+from pyproj import Proj
+
+ZONE_WIDTH = 6                      # degrees of longitude
+WEEK_MS = 604_800_000
+SEA_LEVEL_PRESSURE, SEA_LEVEL_TEMPERATURE = 101_325.0, 288.15        # Pa, K
+LAPSE, PRESSURE_POWER = 0.0065, 5.25588                              # K/m, of the standard
+GAS_CONSTANT = 287.053                                               # J/(kg K), of air
+INSIDE_C = 31.5                     # degree C
+NORTH_FIELD, DOWN_FIELD = 20e-6, 43e-6      # T
+LARGEST_COUNT = 32767
+HIGHEST_DIFFERENCE = 1073.0         # Pa; its field holds no more
+
+_PROJECTIONS: dict[tuple[int, bool], Proj] = {}
+
+
+class Measured(NamedTuple):
+    """An answer, and the truth that it is about by the names of its fields."""
+
+    message: TitanAnswer
+    truth: Mapping[str, Any]
+
+
+class TitanMeasures:
+    """Measures along a path; the start of position counting is where it is told to begin."""
+
+    def __init__(self, path: GroundPath, noise: Noise, gps_start_ms: int = 0) -> None:
+        """Take the path, what is added to the truth, and GPS time of week at time 0."""
+        self._path = path
+        self._noise = noise
+        self._gps_start_ms = gps_start_ms
+        self._origin: tuple[float, float, float] | None = None
+        self._measures: dict[type[TitanAnswer], Callable[[float, bool], Measured]] = {
+            State: self._state, Gps: self._gps, Sensors: self._sensors}
+
+    def restart(self) -> None:
+        """Forget where position counting began."""
+        self._origin = None
+
+    def measure(self, kind: type[TitanAnswer], time: float, has_fix: bool) -> Measured:
+        """Return what an answer says at a time in seconds, with or without GPS."""
+        return self._measures[kind](time, has_fix)
+
+    def _state(self, time: float, has_fix: bool) -> Measured:
+        truth, place, (north, east) = self._path.at(time)
+        if has_fix and self._origin is None:
+            self._origin = north, east, place.altitude
+        a, b, c = self._origin or (north, east, place.altitude)
+        true = {
+            'position_ned': (north - a, east - b, c - place.altitude),
+            'velocity_ned': truth.velocity,
+            'attitude': (truth.roll, truth.pitch, truth.heading),
+            'angular_rate': truth.angular_rate}
+        return Measured(State(
+            true['position_ned'], truth.velocity,
+            _vector(self._noise.add('attitude', true['attitude'])),
+            _vector(self._noise.add('angular_rate', truth.angular_rate))), true)
+
+    def _gps(self, time: float, has_fix: bool) -> Measured:
+        truth, place, _ = self._path.at(time)
+        if not has_fix:
+            nothing = Gps(0.0, 0.0, 0.0, 0.0, (0.0,) * 3, 0.0, 0.0, 0.0, 0, True)
+            return Measured(nothing, {})
+        zone, northern = utm_zone(place.longitude), place.latitude >= 0
+        easting, northing = to_utm(place, zone, northern)
+        north, east, down = truth.velocity
+        week_ms = (self._gps_start_ms + round(time * 1000)) % WEEK_MS
+        course = math.degrees(math.atan2(east, north)) % 360.0
+        message = Gps(week_ms / 1000, easting, northing, place.altitude, truth.velocity, course,
+                      math.hypot(north, east, down), math.hypot(north, east), zone, northern)
+        return Measured(message, {
+            'latitude': place.latitude, 'longitude': place.longitude,
+            'altitude': place.altitude, 'velocity_ned': truth.velocity, 'heading_deg': course,
+            'gps_time_s': week_ms / 1000, 'zone': zone, 'northern': northern})
+
+    def _sensors(self, time: float, has_fix: bool) -> Measured:
+        truth, place, _ = self._path.at(time)
+        force = _vector(self._noise.add('specific_force', truth.specific_force))
+        rate = _vector(self._noise.add('angular_rate', truth.angular_rate))
+        pressure, magnetic = static_pressure(place.altitude), magnetic_field(truth)
+        dynamic = air_density(place.altitude) / 2 * math.hypot(*truth.velocity) ** 2
+        p, q, r = rate
+        return Measured(Sensors(
+            _within(force, ADC_FORCE),
+            _within((math.degrees(p), math.degrees(q), math.degrees(r)), ADC_RATE_DEG),
+            INSIDE_C, force, rate, pressure, min(dynamic, HIGHEST_DIFFERENCE),
+            _within(magnetic, FIELD)), {
+                'acceleration': truth.specific_force, 'angular_rate': truth.angular_rate,
+                'absolute_pressure': pressure, 'differential_pressure': dynamic,
+                'magnetic_field_tesla': magnetic, 'temperature_c': INSIDE_C})
+
+
+def utm_zone(longitude: float) -> int:
+    """Return the zone of a longitude in degrees; the exceptions in the north are not made."""
+    return int((longitude + 180.0) // ZONE_WIDTH) % 60 + 1
+
+
+def to_utm(place: Place, zone: int, northern: bool) -> tuple[float, float]:
+    """Return easting and northing (m) of a place, in whichever zone."""
+    projection = _PROJECTIONS.get((zone, northern))
+    if projection is None:
+        projection = Proj(proj='utm', zone=zone, ellps='WGS84', south=not northern)
+        _PROJECTIONS[zone, northern] = projection
+    easting, northing = projection(place.longitude, place.latitude)
+    return easting, northing
+
+
+def static_pressure(altitude: float) -> float:
+    """Return the pressure of the standard atmosphere (Pa) at a height (m) up to 11 km."""
+    return SEA_LEVEL_PRESSURE * math.pow(
+        1 - LAPSE * altitude / SEA_LEVEL_TEMPERATURE, PRESSURE_POWER)
+
+
+def air_density(altitude: float) -> float:
+    """Return the density of the standard atmosphere (kg/m^3) at a height (m) up to 11 km."""
+    return static_pressure(altitude) / GAS_CONSTANT / (SEA_LEVEL_TEMPERATURE - LAPSE * altitude)
+
+
+def magnetic_field(truth: Truth) -> Vector:
+    """Return a field towards north and down (T) as it stands in body axes."""
+    sin_roll, cos_roll = math.sin(truth.roll), math.cos(truth.roll)
+    sin_pitch, cos_pitch = math.sin(truth.pitch), math.cos(truth.pitch)
+    forward = NORTH_FIELD * math.cos(truth.heading)
+    right = -NORTH_FIELD * math.sin(truth.heading)
+    below = sin_pitch * forward + cos_pitch * DOWN_FIELD
+    return (cos_pitch * forward - sin_pitch * DOWN_FIELD,
+            cos_roll * right + sin_roll * below, cos_roll * below - sin_roll * right)
+
+
+def _within(vector: Vector, count: float) -> Vector:
+    limit = LARGEST_COUNT * count
+    x, y, z = (max(-limit, min(limit, value)) for value in vector)
+    return x, y, z
+
+
+def _vector(values: Values) -> Vector:
+    x, y, z = values
+    return x, y, z

@@ -1,0 +1,274 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node: it wires the parts together, and nothing else."""
+
+from collections.abc import Callable, Iterable, Mapping
+import sys
+from threading import Lock
+import time
+from typing import Any
+
+from bahrs_driver.bag.read_metadata import Origin
+from bahrs_driver.convert import raw, ros
+from bahrs_driver.devices import ROS_CLOCK, SENSORS
+from bahrs_driver.diagnostics.framing_task import FramingTask
+from bahrs_driver.diagnostics.guarded_task import GuardedTask
+from bahrs_driver.diagnostics.link_task import LinkTask
+from bahrs_driver.diagnostics.monitor import Monitor
+from bahrs_driver.diagnostics.names import node_label
+from bahrs_driver.diagnostics.problem_log import ProblemLog
+from bahrs_driver.diagnostics.publishing_task import PublishingTask
+from bahrs_driver.diagnostics.self_test import answer
+from bahrs_driver.diagnostics.sharing_watch import count_trouble
+from bahrs_driver.diagnostics.task import Task
+from bahrs_driver.diagnostics.time_task import TimeTask
+from bahrs_driver.errors import ParameterError
+from bahrs_driver.node.latched_publisher import create_latched
+from bahrs_driver.node.nvm_services import NvmServices
+from bahrs_driver.node.sim_time import keep_host_time
+from bahrs_driver.node.subscriber_gate import SubscriberGate
+from bahrs_driver.process.fault_log import FaultLog
+from bahrs_driver.settings.command_line import RosArguments
+from bahrs_driver.settings.node_settings import NodeSettings
+from bahrs_driver.settings.parameter_requests import ParameterRequests
+from bahrs_driver.transport.link import Link, Reading
+from bahrs_driver.transport.receiver import Received, Receiver
+from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.srv import SelfTest
+from rclpy.clock import Clock, ClockType
+from rclpy.exceptions import NameValidationException
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.time import Time
+from sensor_msgs.msg import TimeReference
+from std_msgs.msg import UInt8MultiArray
+
+QUEUE_DEPTH = 100               # half a second of the fastest topic
+DIAGNOSTICS_PERIOD = 1.0        # s
+WATCH_PERIOD = 0.1              # s, for what changes because nothing comes
+
+
+class DriverNode(Node):
+    """Publishes the messages of a sensor on a serial port, and diagnostics."""
+
+    def __init__(self) -> None:
+        """Read the parameters and make the parts; ParameterError if one is bad."""
+        arguments = RosArguments.from_words(sys.argv)
+        super().__init__('bahrs_driver', cli_args=arguments.node_arguments(),
+                         start_parameter_services=False)
+        self._log = self.get_logger()  # type: ignore[no-untyped-call]
+        self.faults = FaultLog(self._log.error, self._log.debug)
+        given = NodeSettings(self, arguments)
+        settings = given.values
+        self._parameter_requests = ParameterRequests(self, settings)
+        keep_host_time(self)
+        self._link = _link(settings)
+        self._sensor = sensor = SENSORS[settings['sensor']](settings, self._link)
+        self.receiver = Receiver(self._link, sensor.framer, sensor.codec, sensor.clock, self,
+                                 self.faults)
+        self._time_task = TimeTask(sensor.clock, sensor.health.stale)
+        self._counts = dict.fromkeys(sensor.topics, 0)
+        self._link_task = LinkTask(self._link, self.receiver.counters, sensor.silence_timeout,
+                                   sensor.silence_hint, lambda: count_trouble(
+                                       sensor.framer.counters, sensor.health.lost))
+        self._monitor = self._make_monitor(settings)
+        self._problems = self._make_problem_log()
+        self._gate = SubscriberGate(settings['startup.wait_for_subscribers'])
+        self._reporting = Lock()        # or an older report could overtake a newer one
+        self._latched = {topic: create_latched(self, message_type, topic, self._publisher)
+                         for topic, message_type in sensor.topics.items()
+                         if topic in sensor.latched}
+        self._data = {topic: self._latched.get(topic) or self._publisher(message_type, topic)
+                      for topic, message_type in sensor.topics.items()}
+        self._sensor_name, self._byte_ns = settings['sensor'], 0
+        self._raw = None
+        if settings['publish.raw']:
+            self._raw = self._publisher(UInt8MultiArray, raw.TOPIC)
+        self._diagnostics = self._publisher(DiagnosticArray, '/diagnostics')
+        self._listen_for_pulses(settings['time.sync_pulse.reference'])
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(DIAGNOSTICS_PERIOD, self._report, clock=steady)
+        self.create_timer(WATCH_PERIOD, self._watch, clock=steady)
+        self.create_service(SelfTest, '~/self_test', self._self_test)
+        if sensor.nvm:
+            self._nvm_services = NvmServices(self, sensor.nvm, self.faults)
+        for sentence in (*given.warnings(), *sensor.warnings):
+            self._log.warning(sentence)
+
+    @property
+    def threads(self) -> Mapping[str, Callable[[], None]]:
+        """Functions that each run in a thread until stop() is called, by name."""
+        requester = self._sensor.requester
+        return {'the reading thread': self._read,
+                **({'the requesting thread': requester.run} if requester else {})}
+
+    def stop(self) -> None:
+        """Make the threads end soon."""
+        if self._sensor.requester:
+            self._sensor.requester.stop()
+        self._gate.open()
+        self.receiver.stop()
+
+    def _read(self) -> None:
+        raw_data = {raw.TOPIC: self._raw} if self._raw else {}
+        self._gate.wait({**self._data, **raw_data}, self._log.info, self._log.warning)
+        self.receiver.run()
+
+    def leave_device(self) -> None:
+        """Leave diagnostics mode if the driver entered it."""
+        if self._sensor.nvm:
+            self._sensor.nvm.end('the driver is ending')
+
+    def link_opened(self) -> None:
+        """Begin another stream."""
+        self._byte_ns = self._link.byte_time_ns
+        if self._sensor.requester:
+            self._sensor.requester.opened()
+        self._sensor.health.opened()
+        self._report_change()
+
+    def link_usable(self) -> None:
+        """Log that the port is open."""
+        self._log.info(f'{self._link.name} is open')
+        self._report_change()
+
+    def link_failed(self, reason: str, known: bool) -> None:
+        """End the stream, and log why there is no data unless that is known."""
+        if not known:
+            self._log.error(reason)
+        if self._sensor.nvm:
+            self._sensor.nvm.lost(reason)
+        if self._sensor.requester:
+            self._sensor.requester.lost()
+        self.faults.survive('publishing that data is lost', lambda: self._publish(
+            self._sensor.converter.lost(time.time_ns())))
+        self._report_change()
+
+    def bytes_read(self, reading: Reading) -> None:
+        """Publish the bytes of a read if publish.raw is set, and the loss of a stale stream."""
+        if self._raw:
+            origin = Origin(self._sensor_name, self.receiver.counters.times_opened,
+                            self._byte_ns, reading.now.ros_ns, reading.now.raw_ns)
+            self.faults.survive('publishing raw', self._raw.publish,
+                                raw.message(reading.data, origin.label()))
+        self._notice_silence()
+        for publisher in self._latched.values():
+            publisher.flush()
+
+    def nothing_read(self) -> None:
+        """Publish that the device is silent."""
+        self._notice_silence()
+
+    def _notice_silence(self) -> None:
+        if self._sensor.health.stale(time.monotonic()):
+            self._publish(self._sensor.converter.silent(time.time_ns()))
+
+    def received(self, batch: list[Received]) -> None:
+        """Publish what the messages of one read become."""
+        now, survive = time.monotonic(), self.faults.survive
+        sensor = self._sensor
+        for message, frame, stamp_ns in batch:
+            survive(f'publishing {message.NAME}', self._publish_message, message, stamp_ns)
+            survive('watching the data', sensor.health.observe, message, now)
+            if sensor.nvm:
+                survive('reading the memory', sensor.nvm.receive, message, frame)
+        survive('watching the clock', self._time_task.update, now)
+        for sentence in sensor.take_notices():
+            self._log.warning(sentence)
+        self._report_change()
+
+    def _report_change(self) -> None:
+        """Publish the diagnostics if they changed; a change that comes too soon waits."""
+        with self._reporting:
+            if self._monitor.change_due():
+                self._publish_report()
+
+    def _watch(self) -> None:
+        """Report what changes because nothing arrives, and serve subscribers that lag."""
+        for publisher in self._latched.values():
+            publisher.supervise()
+        self._report_change()
+        # Why the port is not open was logged when it closed.
+        is_open = self.receiver.counters.open_since is not None
+        self._problems.check(self._monitor.verdicts() if is_open else {}, time.monotonic())
+
+    def time_changed(self, sentence: str) -> None:
+        """Log a change of a clock, and show it in the task Time."""
+        self._log.warning(sentence)
+        self._time_task.notice(sentence, time.monotonic())
+
+    def _listen_for_pulses(self, reference: str) -> None:
+        if reference == ROS_CLOCK:
+            return
+        try:
+            # A reliable subscription would get nothing from a best-effort publisher.
+            self.create_subscription(
+                TimeReference, reference, self._on_pulse_reference,
+                QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT),
+                qos_overriding_options=QoSOverridingOptions.with_default_policies())
+        except NameValidationException as error:
+            raise ParameterError(
+                f"parameter time.sync_pulse.reference is {reference!r}: it must be '{ROS_CLOCK}' "
+                'or the name of a topic') from error
+
+    def _on_pulse_reference(self, message: TimeReference) -> None:
+        self._sensor.clock.pulse_reference(ros.nanoseconds(message.header))
+
+    def _publish_message(self, message: Any, stamp_ns: int) -> None:
+        self._publish(self._sensor.converter.convert(message, stamp_ns))
+
+    def _publish(self, outgoing: Iterable[tuple[str, Any]]) -> None:
+        for topic, message in outgoing:
+            self._data[topic].publish(message)
+            self._counts[topic] += 1
+
+    def _report(self) -> None:
+        self._link_task.check_sharing(time.monotonic())
+        with self._reporting:
+            if self._monitor.report_allowed():
+                self._publish_report()
+
+    def _publish_report(self) -> None:
+        array = DiagnosticArray(status=self._monitor.statuses())
+        array.header.stamp = Time(nanoseconds=time.time_ns()).to_msg()
+        self._diagnostics.publish(array)
+
+    def _self_test(self, _: SelfTest.Request, response: SelfTest.Response) -> SelfTest.Response:
+        return answer(self._monitor.verdicts(), self._monitor.hardware_id,
+                      self._sensor.health.device_id(), response)
+
+    def _make_monitor(self, settings: Mapping[str, Any]) -> Monitor:
+        sensor, counters = self._sensor, self.receiver.counters
+        tasks: list[Task] = [
+            self._link_task,
+            FramingTask(sensor.framer, counters, self._link.baud_rate, settings['sensor'],
+                        sensor.protocol, settings['diagnostics.damaged_share']),
+            self._time_task,
+            *sensor.health.tasks,
+            PublishingTask(self._counts, sensor.silence_timeout, sensor.latched, self.faults)]
+        return Monitor([GuardedTask(task, self.faults) for task in tasks],
+                       node_label(self.get_name(), self.get_namespace(),
+                                  settings['diagnostics.qualified_name']),
+                       self._link.name)
+
+    def _make_problem_log(self) -> ProblemLog:
+        port, logger = self._link.name, self._log
+        return ProblemLog({'Link': f'{port} is in order again',
+                           'Framing': f'{port}: frames arrive intact'},
+                          logger.error, logger.info)
+
+    def _publisher(self, message_type: type, topic: str,
+                   profile: QoSProfile | None = None) -> Publisher:
+        return self.create_publisher(
+            message_type, topic, profile or QoSProfile(depth=QUEUE_DEPTH),
+            event_callbacks=self._gate.callbacks(),
+            qos_overriding_options=QoSOverridingOptions.with_default_policies())
+
+
+def _link(settings: Mapping[str, Any]) -> Link:
+    try:
+        return Link(settings['port'], settings['baud_rate'])
+    except ValueError as error:
+        raise ParameterError(f"parameter port is {settings['port']!r}: {error}") from error

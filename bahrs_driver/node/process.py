@@ -1,0 +1,104 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The process of the node: its threads, and how they start, survive faults and end."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+import sys
+import time
+
+from bahrs_driver.errors import ParameterError, RosStartError
+from bahrs_driver.node.driver_node import DriverNode
+from bahrs_driver.process.exit_timer import exit_after
+from bahrs_driver.process.printable import printable
+from bahrs_driver.process.shutdown_event import end_process, EXIT_TIME, ShutdownEvent
+from bahrs_driver.ros.executor import DrainingExecutor
+from bahrs_driver.ros.start import init_ros, start_errors
+from bahrs_driver.settings.command_line import RosArguments, split
+from bahrs_driver.settings.parameter_files import is_pipe
+import rclpy
+from rclpy.utilities import remove_ros_args
+
+SERVICE_THREADS = 3         # so that a service that takes long holds up nothing
+RESTART_PERIOD = 1.0        # s, before a thread that failed begins again
+SET_BACK = 0.1              # s by which the host clock was set back, from which on it matters
+
+
+def run(shutdown: ShutdownEvent) -> int:
+    """Run the node until the shutdown event is set; return 0, or 1 if it cannot start."""
+    if shutdown.is_set():       # while this module was imported
+        return 0
+    offset = _host_clock_offset()
+    try:
+        with start_errors(sys.argv):
+            node = _start()
+        executor = _run_node(node, shutdown)
+        if _host_clock_offset() < offset - SET_BACK:
+            end_process(0)      # destroying the node hangs then, and crashed once in 200 times
+        executor.shutdown()
+        node.destroy_node()  # type: ignore[no-untyped-call]
+    except RosStartError as error:
+        print('bahrs_driver:', error, file=sys.stderr)
+        return 1
+    finally:
+        rclpy.try_shutdown()
+    return 0
+
+
+def _start() -> DriverNode:
+    _check_arguments(sys.argv)
+    no_log_files = init_ros(sys.argv)
+    node = DriverNode()
+    if no_log_files:
+        node.get_logger().warning(  # type: ignore[no-untyped-call]
+            f'logs are not written to files: {printable(no_log_files)}; set ROS_LOG_DIR')
+    return node
+
+
+def _run_node(node: DriverNode, shutdown: ShutdownEvent) -> DrainingExecutor:
+    """
+    Run the node's threads and the executor until the shutdown event is set.
+
+    The port is closed and spinning has ended before anything of ROS is destroyed. Return the
+    executor, which still has to be shut down.
+    """
+    executor = DrainingExecutor(
+        SERVICE_THREADS, lambda error: node.faults.report('a request or timer', error))
+    executor.add_node(node)
+    with ThreadPoolExecutor(max_workers=len(node.threads) + 1) as pool:
+        for name, run_thread in node.threads.items():
+            pool.submit(_keep_running, name, run_thread, node, shutdown)
+        pool.submit(executor.spin)
+        shutdown.wait()
+        exit_after(EXIT_TIME)
+        node.leave_device()
+        node.stop()
+        executor.stop()
+    return executor
+
+
+def _keep_running(name: str, run_thread: Callable[[], None], node: DriverNode,
+                  shutdown: ShutdownEvent) -> None:
+    """Run a thread's function until it returns; begin again after an exception."""
+    while True:
+        try:
+            return run_thread()
+        except Exception as error:
+            node.faults.report(name, error)
+        if shutdown.wait(RESTART_PERIOD):
+            return
+
+
+def _host_clock_offset() -> float:
+    """Return the host clock less steady time in seconds; only setting the clock changes it."""
+    return time.time() - time.monotonic()
+
+
+def _check_arguments(words: list[str]) -> None:
+    """Raise the errors of rcl about its arguments, without the lines that it would log."""
+    own = split(words)[0][1:]
+    if own:
+        raise ParameterError(f'{printable(repr(own[0]))} is not understood: parameters are given '
+                             'as --ros-args -p port:=/dev/ttyUSB0')
+    if not any(map(is_pipe, RosArguments.from_words(words).files)):
+        remove_ros_args(words)          # reads parameter files, which a pipe allows only once

@@ -1,0 +1,95 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The event that ends a program with threads: a signal, or a call of set().
+
+A threading.Event does not serve. Its lock may be held by the main thread just when a signal's
+handler, which runs in that thread, sets it; and a signal that the system delivers to another
+thread, as it may after a pause of the process, does not wake a main thread that waits for a lock.
+"""
+
+import contextlib
+import os
+import select
+import signal
+import sys
+import threading
+from typing import NoReturn
+
+EXIT_TIME = 0.5             # s from the event to the end of the process
+HANDLED_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def handled_signals() -> list[signal.Signals]:
+    """Return the signals that end a program; not a hang-up that nohup made it ignore."""
+    return [kind for kind in HANDLED_SIGNALS
+            if kind is not signal.SIGHUP or signal.getsignal(kind) is not signal.SIG_IGN]
+
+
+class ShutdownEvent:
+    """An event that stays set. Waiting for it does not depend on a clock that can be set."""
+
+    def __init__(self) -> None:
+        """Create the event, not set."""
+        self._read_end, self._write_end = os.pipe()
+        os.set_blocking(self._write_end, False)
+
+    def set(self) -> None:  # noqa: A003
+        """Set the event. Any thread, and any signal handler, may call it."""
+        with contextlib.suppress(BlockingIOError):      # the pipe is full of earlier calls
+            os.write(self._write_end, b'.')
+
+    def is_set(self) -> bool:
+        """Return whether the event is set."""
+        return self.wait(0)
+
+    def wait(self, timeout: float | None = None) -> bool:
+        """Wait until the event is set, a time in seconds at most; return whether it is."""
+        poll = select.poll()        # select() cannot take a file descriptor of 1024 or above
+        poll.register(self._read_end, select.POLLIN)
+        return bool(poll.poll(None if timeout is None else max(0.0, timeout) * 1000))
+
+    def install_signal_handlers(self) -> None:
+        """Let the handled signals set the event. Only the main thread may call it."""
+        for kind in handled_signals():
+            signal.signal(kind, _noop_handler)
+        signal.set_wakeup_fd(self._write_end, warn_on_full_buffer=False)
+
+    def limit_exit_time(self, seconds: float = EXIT_TIME) -> None:
+        """End the process with status 0 if it still runs a time in seconds after the event."""
+        from bahrs_driver.process.exit_timer import exit_after      # which takes a while to import
+
+        def watch() -> None:
+            self.wait()
+            exit_after(seconds)
+
+        threading.Thread(target=watch, name='exit limit', daemon=True).start()
+
+
+def end_process(status: int) -> NoReturn:
+    """
+    End the process now, without the interpreter's clean-up.
+
+    That takes half a second, some of it in destructors of the middleware, which are not free of
+    the host's clock, and with the default action of signals restored: a second Ctrl-C would turn
+    a clean exit into a death by signal.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError):      # closed, or a broken pipe
+            stream.flush()
+    os._exit(status)
+
+
+def ignore_signals() -> None:
+    """
+    Ignore the handled signals from now on. Only the main thread may call it.
+
+    While the interpreter ends it restores the default action, with which a second Ctrl-C would
+    turn a clean exit into a death by signal.
+    """
+    for kind in HANDLED_SIGNALS:
+        signal.signal(kind, signal.SIG_IGN)
+
+
+def _noop_handler(*_: object) -> None:
+    """Do nothing: with a handler in place, Python writes to the wake-up descriptor."""

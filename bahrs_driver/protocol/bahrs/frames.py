@@ -1,0 +1,151 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The frame of the BAHRS: marker, version, type, payload, padding, checksum.
+
+    4E 45 | version u16 | type u8 | payload | padding | CRC u32          (little-endian)
+
+There is no length: version and type give it. Stream messages are padded to whole 32-bit words
+with one to four bytes, never none (section 2.2, and so does the device). Their CRC is
+CRC-32/MPEG-2, by the document taken over single bytes, by the device over 32-bit words. Service
+messages come unpadded or padded, with CRC-32/MPEG-2 as the document has it or the ordinary CRC-32
+of the device maker's own tool. Every variant is understood: the CRC of each frame tells which.
+"""
+
+import struct
+from typing import Literal
+
+from bahrs_driver.protocol.bahrs import checksum
+from bahrs_driver.protocol.bahrs.messages import (
+    BahrsMessage, HeightFormat, layouts, MESSAGES, VERSIONS)
+from bahrs_driver.protocol.framing import Frame
+
+MARKER = b'NE'
+HEADER = struct.Struct('<2sHB')
+CRC_SIZE = 4
+
+CrcOrder = Literal['word', 'byte']
+Checksum = Literal['word', 'byte', 'crc32']
+
+_CHECKSUMS = {'word': checksum.mpeg2_words, 'byte': checksum.mpeg2, 'crc32': checksum.crc32}
+
+
+def padding(payload_size: int) -> int:
+    """Return how many padding bytes follow a payload of this size: 1 to 4."""
+    return 4 - (HEADER.size + payload_size) % 4
+
+
+def frame_size(payload_size: int, padded: bool) -> int:
+    """Return the size of a whole frame."""
+    filler = padding(payload_size) if padded else 0
+    return HEADER.size + payload_size + filler + CRC_SIZE
+
+
+def build_frame(version: int, message_type: int, payload: bytes, checksum: Checksum,
+                padded: bool = True) -> bytes:
+    """Return a whole frame around any payload. The word checksum needs a padded one."""
+    body = HEADER.pack(MARKER, version, message_type) + payload
+    if padded:
+        body += bytes(padding(len(payload)))
+    return body + _CHECKSUMS[checksum](body)
+
+
+def frame_version(data: bytes) -> int:
+    """Return the protocol version of a frame."""
+    version: int = HEADER.unpack_from(data)[1]
+    return version
+
+
+class BahrsFormat:
+    """
+    What the framer must know of BAHRS frames.
+
+    `order` forces the byte order of the stream's CRC. On 'auto' either is taken, and the one
+    that passed last is tried first; `order_seen` tells it. So a device that is exchanged for one
+    of the other kind costs nothing, and a forced order rejects what does not fit it.
+    """
+
+    marker = MARKER
+    header_size = HEADER.size
+
+    def __init__(self, order: Literal['auto', 'word', 'byte'] = 'auto') -> None:
+        """Accept the given CRC order, or detect it."""
+        self.order_seen: str | None = None
+        self.version_seen: int | None = None
+        self._orders: list[str] = ['word', 'byte'] if order == 'auto' else [order]
+        self._sizes = {
+            HEADER.pack(MARKER, version, message_type): tuple(sorted(
+                {frame_size(layout.size, padded)
+                 for padded in ((False, True) if layout.message.SERVICE else (True,))}))
+            for (version, message_type), layout in layouts().items()}
+        self._services = {message.TYPE for message in MESSAGES if message.SERVICE}
+
+    def sizes(self, header: bytes) -> tuple[int, ...]:
+        """Return the sizes of a frame with this header, ascending; none for an unknown type."""
+        return self._sizes.get(header, ())
+
+    def passing_checksum(self, frame: bytes) -> str | None:
+        """Return 'word', 'byte' or 'crc32' where that checksum fits the frame."""
+        if frame[4] in self._services:
+            return self._first_passing(frame, ['crc32', 'byte', 'word'])
+        order = self._first_passing(frame, self._orders)
+        if order:
+            self.version_seen = frame_version(frame)
+            if order != self._orders[0]:
+                self._orders.reverse()
+            self.order_seen = order
+        return order
+
+    def name_unknown(self, frame: bytes) -> str | None:
+        """Return version and type, as text, of an intact frame of a type that is not known."""
+        if len(frame) < frame_size(0, padded=False):
+            return None
+        if not self._first_passing(frame, [*self._orders, 'crc32']):
+            return None
+        _, version, message_type = HEADER.unpack_from(frame)
+        return f'0x{message_type:02X}' if version in VERSIONS \
+            else f'0x{message_type:02X} of version {version}'
+
+    @staticmethod
+    def _first_passing(frame: bytes, checksums: list[str]) -> str | None:
+        body, found = frame[:-CRC_SIZE], frame[-CRC_SIZE:]
+        for name in checksums:
+            if name == 'word' and len(body) % 4:
+                continue
+            if _CHECKSUMS[name](body) == found:
+                return name
+        return None
+
+
+class BahrsCodec:
+    """Turns BAHRS frames into messages and back."""
+
+    def __init__(self, height_format: HeightFormat = 'uint16') -> None:
+        """Read and write the pressure height in the given format."""
+        self._layouts = layouts(height_format)
+        self.layouts_by_header = {HEADER.pack(MARKER, *key): layout
+                                  for key, layout in self._layouts.items()}
+
+    def decode(self, frame: Frame) -> BahrsMessage:
+        """Return the message of an intact frame."""
+        return self.layouts_by_header[frame.data[:HEADER.size]].decode(frame.data, HEADER.size)
+
+    def raw(self, frame: Frame) -> dict[str, object]:
+        """Return the numbers of an intact frame as they stand on the wire, by field name."""
+        return self.layouts_by_header[frame.data[:HEADER.size]].raw(frame.data, HEADER.size)
+
+    def encode(self, message: BahrsMessage, version: int, checksum: Checksum | None = None,
+               padded: bool | None = None) -> bytes:
+        """
+        Return the frame of a message.
+
+        By default stream messages are padded with their CRC in word order, as the device sends
+        them, and service messages are unpadded with a CRC-32, as its maker's tool sends them.
+        ValueError if the version has no such message or a value does not fit its field.
+        """
+        layout = self._layouts.get((version, message.TYPE))
+        if layout is None:
+            raise ValueError(f'{message.NAME} does not exist in protocol version {version}')
+        return build_frame(version, message.TYPE, layout.encode(message),
+                           checksum or ('crc32' if message.SERVICE else 'word'),
+                           not message.SERVICE if padded is None else padded)

@@ -1,0 +1,115 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What is in the non-volatile memory of a BAHRS, format 1.1, one row for each field.
+
+The blocks follow each other without gaps, little-endian, from the first byte on; most end in
+the CRC-32 of their bytes. The rest of the memory is unused.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
+
+from bahrs_driver.protocol.bahrs import checksum
+from bahrs_driver.protocol.layout import integer, integers, Layout, real, reals, text, Vector, wire
+
+KNOWN_FORMAT = 1, 1         # major, minor
+CRC_SIZE = 4
+
+
+class ImageBlock:
+    """What all blocks have: a name, and whether a CRC-32 follows."""
+
+    __slots__ = ()
+    NAME: ClassVar[str]
+    CHECKED: ClassVar[bool] = True
+
+
+@dataclass(frozen=True, slots=True)
+class FormatVersion(ImageBlock):
+    """Version of the image's format."""
+
+    NAME: ClassVar[str] = 'format version'
+
+    major: int = wire(integer('I'))
+    minor: int = wire(integer('I'))
+
+
+@dataclass(frozen=True, slots=True)
+class Installation(ImageBlock):
+    """Euler angles from the device to the vehicle, in rad."""
+
+    NAME: ClassVar[str] = 'installation angles'
+
+    roll: float = wire(real('f', 'rad'))
+    pitch: float = wire(real('f', 'rad'))
+    yaw: float = wire(real('f', 'rad'))
+
+
+@dataclass(frozen=True, slots=True)
+class Magnetometer(ImageBlock):
+    """Calibration of the magnetometer: hard iron, and soft iron as a matrix row by row."""
+
+    NAME: ClassVar[str] = 'magnetometer'
+
+    hard_iron: Vector = wire(reals('f', 3))
+    soft_iron: tuple[float, ...] = wire(reals('f', 9))
+
+
+@dataclass(frozen=True, slots=True)
+class Assertions(ImageBlock):
+    """Log of failed assertions of the firmware: where the next is written, and the text."""
+
+    NAME: ClassVar[str] = 'assertions'
+    CHECKED: ClassVar[bool] = False
+
+    position: int = wire(integer('I'))
+    log: str = wire(text(512))
+
+
+@dataclass(frozen=True, slots=True)
+class Can(ImageBlock):
+    """Parameters of the CAN bus."""
+
+    NAME: ClassVar[str] = 'CAN'
+
+    node_id: int = wire(integer('I'))
+    redundant_channel: int = wire(integer('I'))
+    service_channel: int = wire(integer('I'))
+    update_rates: tuple[int, ...] = wire(integers('I', 12))
+
+
+BLOCKS: tuple[type[ImageBlock], ...] = (
+    FormatVersion, Installation, Magnetometer, Assertions, Can)
+
+
+class Found(NamedTuple):
+    """A block of an image, and whether its CRC is right; None if it has none."""
+
+    block: Any
+    intact: bool | None
+
+
+def parse(image: bytes) -> Iterator[Found]:
+    """Return the blocks of an image; ValueError if it is too short."""
+    start = 0
+    for kind in BLOCKS:
+        layout = Layout(kind)
+        end = start + layout.size
+        if len(image) < end + CRC_SIZE * kind.CHECKED:
+            raise ValueError(f'{len(image)} bytes are too few: the block {kind.NAME} is not whole')
+        crc = image[end:end + CRC_SIZE]
+        intact = checksum.crc32(image[start:end]) == crc if kind.CHECKED else None
+        yield Found(layout.decode(image, start), intact)
+        start = end + CRC_SIZE * kind.CHECKED
+
+
+def build(*blocks: ImageBlock) -> bytes:
+    """Return the blocks as they stand in an image, with their CRCs."""
+    return b''.join(_build(block) for block in blocks)
+
+
+def _build(block: ImageBlock) -> bytes:
+    data = Layout(type(block)).encode(block)
+    return data + checksum.crc32(data) if block.CHECKED else data

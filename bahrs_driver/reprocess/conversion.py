@@ -1,0 +1,189 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A capture through the rooms of the driver once more: every topic, with time known from both sides.
+
+The first pass looks at when bytes were read, and the second one stamps and converts. Messages
+are held for some seconds, so that they leave in the order of their log times, which are their
+stamps without the steps of the host clock (see `log_clock`).
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+import heapq
+from typing import Any, NamedTuple, Protocol
+
+from bahrs_driver.bag.capture import Capture, Chunk
+from bahrs_driver.bag.log_clock import LogClock, Moment
+from bahrs_driver.bag.read_metadata import Origin
+from bahrs_driver.clock import Clock, Instant, NANOSECONDS, SampleClock, Stamped
+from bahrs_driver.clock.estimation.smoother import Survey
+from bahrs_driver.convert import raw
+from bahrs_driver.convert.bahrs import nvm_page
+from bahrs_driver.devices import Sensor
+from bahrs_driver.protocol.bahrs.messages import NvmPage
+from bahrs_driver.reprocess import replay_diagnostics
+from bahrs_driver.reprocess.byte_times import DeviceTimed
+from bahrs_driver.reprocess.replay_diagnostics import FlightHealth
+from diagnostic_msgs.msg import DiagnosticArray
+from std_msgs.msg import UInt8MultiArray
+
+HOLD = 10_000_000_000           # ns that a message may come late in the stream
+MOST_HELD = 50_000              # messages, ten times what comes in that time
+MakeSensor = Callable[[], Sensor]
+
+
+class Output(Protocol):
+    """Where converted messages go, in the order of their times."""
+
+    def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
+        """Take all topics that there are, and those of which late joiners get the last message."""
+
+    def write(self, topic: str, time_ns: int, message: Any) -> None:
+        """Take a message and its ROS time."""
+
+
+class Outcome(NamedTuple):
+    """What came of a conversion. Times are log times."""
+
+    frames: int
+    skipped_bytes: int
+    messages: int
+    first_ns: int
+    last_ns: int
+    clock_steps: list[str]          # a sentence for each time that the host's clock was set
+
+
+class Played(NamedTuple):
+    """A chunk of a capture, and what the driver makes of it."""
+
+    chunk: Chunk
+    moment: Moment                  # of its read
+    batch: list[Stamped]            # messages that it completes
+    lost: bool = False              # whether the port was lost after it
+
+
+class Conversion:
+    """Converts one capture."""
+
+    def __init__(self, capture: Capture, settings: Mapping[str, Any], make_sensor: MakeSensor,
+                 start_ns: int | None = None) -> None:
+        """
+        Take the capture, the parameters of the driver, and how to make the parts of its sensor.
+
+        start_ns is the ROS time of the first time message of a capture without times; without it
+        stamps are device time.
+        """
+        self._given = capture
+        self._settings = settings
+        self._make_sensor = make_sensor
+        self._start_ns = start_ns
+        self._heap: list[tuple[int, int, str, Any]] = []
+        self._count = self._first = self._last = 0
+        self.notices: list[str] = []        # sentences about the data
+
+    def run(self, output: Output, progress: Callable[[str], None]) -> Outcome:
+        """Convert into an output. progress is called now and then with the name of the pass."""
+        capture, clock = self._survey(progress)
+        sensor = self._make_sensor()
+        clock = clock or sensor.clock
+        topics = dict(sensor.topics)
+        if self._given.timed:
+            topics[raw.TOPIC] = UInt8MultiArray
+        if sensor.nvm:
+            topics[nvm_page.TOPIC] = UInt8MultiArray
+        topics[replay_diagnostics.TOPIC] = DiagnosticArray
+        health = FlightHealth(sensor, clock, self._settings)
+        output.begin(topics, {topic for topic in topics if topic in sensor.latched})
+        log_clock = LogClock()
+        for played in _play(capture, sensor, clock, log_clock):
+            progress('converting')
+            self._convert(played, sensor, health)
+            self._release(output, played.moment.log_ns - HOLD)
+        self._release(output, None)
+        self.notices = sensor.take_notices()
+        counters = sensor.framer.counters
+        return Outcome(counters.frames, counters.skipped_bytes, self._count, self._first,
+                       self._last, log_clock.sentences())
+
+    def _convert(self, played: Played, sensor: Sensor, health: FlightHealth) -> None:
+        chunk, moment, batch, lost = played
+        now, converter = moment.log_ns, sensor.converter
+        self._tell(health.before(now))
+        for message, _, stamp_ns in batch:
+            self._take(converter.convert(message, stamp_ns), stamp_ns - moment.offset,
+                       health.counts)
+            if isinstance(message, NvmPage):
+                self._hold(now, nvm_page.TOPIC, nvm_page.message(message.page, message.data))
+        if lost:
+            self._take(converter.lost(moment.ros_ns), now, health.counts)
+        self._tell(health.after(chunk, moment, batch))
+        if self._given.timed and chunk.data:
+            self._hold(now, *self._raw(chunk))
+
+    def _survey(self, progress: Callable[[str], None]) -> tuple[Capture, Clock | None]:
+        """Return the capture with times, and a clock that knows all of it, if any can."""
+        sensor = self._make_sensor()
+        if not self._given.timed:
+            timed = DeviceTimed(
+                self._given, lambda: self._make_sensor().framer, sensor.codec,
+                self._settings['time.label'], self._start_ns, progress)
+            return timed, timed.clock(
+                round(self._settings['time.fixed_latency'] * NANOSECONDS))
+        if not isinstance(sensor.clock, SampleClock):
+            return self._given, None
+        survey = Survey()
+        for _ in _play(self._given, sensor, sensor.clock.with_tracker(survey), LogClock()):
+            progress('looking at the clock')
+        return self._given, sensor.clock.with_tracker(survey.lines())
+
+    def _raw(self, chunk: Chunk) -> tuple[str, UInt8MultiArray]:
+        read_at = chunk.read_at or 0
+        origin = Origin(self._settings['sensor'], chunk.opening, self._given.byte_ns or 0, read_at,
+                        read_at if chunk.raw_at is None else chunk.raw_at)
+        return raw.TOPIC, raw.message(chunk.data, origin.label())
+
+    def _take(self, outgoing: Iterator[tuple[str, Any]], log_ns: int,
+              counts: dict[str, int]) -> None:
+        for topic, message in outgoing:
+            counts[topic] += 1
+            self._hold(log_ns, topic, message)
+
+    def _tell(self, reports: Iterator[tuple[int, DiagnosticArray]]) -> None:
+        for log_ns, array in reports:
+            self._hold(log_ns, replay_diagnostics.TOPIC, array)
+
+    def _hold(self, log_ns: int, topic: str, message: Any) -> None:
+        heapq.heappush(self._heap, (log_ns, self._count, topic, message))
+        self._count += 1
+
+    def _release(self, output: Output, until: int | None) -> None:
+        heap = self._heap
+        while heap and (until is None or heap[0][0] <= until or len(heap) > MOST_HELD):
+            log_ns, _, topic, message = heapq.heappop(heap)
+            self._first = self._first or max(0, log_ns)
+            self._last = max(log_ns, self._last)
+            output.write(topic, self._last, message)
+
+
+def _play(capture: Capture, sensor: Sensor, clock: Clock, log_clock: LogClock
+          ) -> Iterator[Played]:
+    """Stamp a capture as the receiver would; yield each chunk with what it completes."""
+    framer, codec = sensor.framer, sensor.codec
+    last: Chunk | None = None
+    moment = Moment(0, 0, 0)
+    for chunk in capture.chunks():
+        if last is None or chunk.opening != last.opening:
+            if last:
+                rest = [(codec.decode(frame), frame) for frame in framer.flush()]
+                yield Played(last._replace(data=b''), moment, clock.stamp(rest) + clock.end(),
+                             True)
+            clock.begin(capture.byte_ns or 0)
+        last = chunk
+        frames = framer.feed(chunk.data)
+        moment = log_clock.observe(chunk.read_at or 0, chunk.raw_at)
+        clock.read(Instant(moment.raw_ns, moment.ros_ns), framer.received)
+        messages = [(codec.decode(frame), frame) for frame in frames]
+        yield Played(chunk, moment, clock.stamp(messages))
+    if last:
+        rest = [(codec.decode(frame), frame) for frame in framer.flush()]
+        yield Played(last._replace(data=b''), moment, clock.stamp(rest) + clock.end())

@@ -1,0 +1,102 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a conversion can be written into: a bag, or a file of comma-separated values a topic."""
+
+from collections.abc import Iterator, Mapping
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+from bahrs_driver.bag.bag_output import BagWriter, make_directory
+from bahrs_driver.bag.serialization import serialized, type_name
+from bahrs_driver.bag.topics import profile, Topic
+from bahrs_driver.files.live_file import LiveFile
+
+QUEUE_DEPTH = 100               # as the node offers
+
+
+class BagOutput:
+    """A rosbag2 directory. Topics are in a namespace."""
+
+    def __init__(self, folder: Path, name: str, namespace: str = '') -> None:
+        """Make a bag whose files are called by a name; CaptureError if it cannot be made."""
+        self._bag = BagWriter(folder, name)
+        self._prefix = f"/{namespace.strip('/')}/" if namespace.strip('/') else '/'
+
+    def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
+        """Take all topics, and those of which late joiners get the last message."""
+        self._bag.add_topics(Topic(self._name(topic), type_name(kind), (profile(
+            'keep_last', 1, 'reliable', 'transient_local') if topic in latched else profile(
+                'keep_last', QUEUE_DEPTH, 'reliable', 'volatile'),))
+            for topic, kind in topics.items())
+
+    def write(self, topic: str, time_ns: int, message: Any) -> None:
+        """Take a message and its ROS time."""
+        self._bag.write(self._name(topic), time_ns, serialized(message))
+
+    def _name(self, topic: str) -> str:
+        return topic if topic.startswith('/') else self._prefix + topic
+
+    def close(self) -> None:
+        """End the bag."""
+        self._bag.close()
+
+
+class CsvOutput:
+    """A directory with a file for each topic; columns are the fields, times are in ns."""
+
+    def __init__(self, folder: Path) -> None:
+        """Make the directory; CaptureError if it exists or cannot be made."""
+        self._folder = folder
+        self._files: list[LiveFile] = []
+        self._writers: dict[str, Any] = {}
+        make_directory(folder)
+
+    def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
+        """Make the file of each topic, with its heading; WriteError if that is not possible."""
+        for topic, kind in topics.items():
+            path = self._folder / f"{topic.strip('/').replace('/', '_')}.csv"
+            file = LiveFile(path)
+            self._files.append(file)
+            self._writers[topic] = csv.writer(file, lineterminator='\n')
+            self._writers[topic].writerow(['time_ns', *(name for name, _ in _flat('', kind()))])
+
+    def write(self, topic: str, time_ns: int, message: Any) -> None:
+        """Append a row with a message and its ROS time; WriteError if there is no room."""
+        self._writers[topic].writerow([time_ns, *(value for _, value in _flat('', message))])
+
+    def close(self) -> None:
+        """End the files."""
+        for file in self._files:
+            file.close()
+
+
+def _flat(prefix: str, message: Any) -> Iterator[tuple[str, Any]]:
+    """
+    Yield name and value of each field.
+
+    Fields of fields are joined by dots, elements of arrays of a fixed length are numbered, and
+    sequences of any length are one JSON text.
+    """
+    for field, kind in message.get_fields_and_field_types().items():
+        name, value = prefix + field, getattr(message, field)
+        if kind.startswith('sequence<'):
+            yield name, json.dumps(_plain(value))
+        elif kind.endswith(']'):
+            yield from ((f'{name}.{index}', item) for index, item in enumerate(value.tolist()))
+        elif hasattr(value, 'get_fields_and_field_types'):
+            yield from _flat(f'{name}.', value)
+        else:
+            yield name, value
+
+
+def _plain(value: Any) -> Any:
+    """Return a message or a sequence as JSON can have it."""
+    if hasattr(value, 'get_fields_and_field_types'):
+        return {name: _plain(getattr(value, name)) for name in value.get_fields_and_field_types()}
+    if isinstance(value, bytes):
+        return list(value)
+    if hasattr(value, 'tolist'):
+        return value.tolist()
+    return [_plain(item) for item in value] if isinstance(value, list) else value

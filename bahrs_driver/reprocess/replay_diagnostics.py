@@ -1,0 +1,81 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The diagnostics of a flight, generated again at the flight's own times.
+
+All tasks are there but *Link*: what is recorded of a port is its bytes, not the port.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from bahrs_driver.bag.capture import Chunk
+from bahrs_driver.bag.log_clock import Moment
+from bahrs_driver.clock import Clock, NANOSECONDS, Stamped
+from bahrs_driver.devices import Sensor
+from bahrs_driver.diagnostics.framing_task import FramingTask
+from bahrs_driver.diagnostics.monitor import Monitor
+from bahrs_driver.diagnostics.publishing_task import PublishingTask
+from bahrs_driver.diagnostics.time_task import TimeTask
+from bahrs_driver.transport.receiver import LinkCounters, SAMPLE_SIZE
+from diagnostic_msgs.msg import DiagnosticArray
+
+TOPIC = '/diagnostics'
+PERIOD = NANOSECONDS
+LONGEST_SILENCE = 60 * NANOSECONDS      # that is told of every second
+
+
+class FlightHealth:
+    """Watches a capture being played. Times are log times in ns, stamps are ROS time."""
+
+    def __init__(self, sensor: Sensor, clock: Clock, settings: Mapping[str, Any]) -> None:
+        """Take the sensor, the clock that stamps, and the parameters of the driver."""
+        self.counts = dict.fromkeys(sensor.topics, 0)       # messages made, by topic
+        self._health, self._clock = sensor.health, clock
+        self._counters = LinkCounters()
+        self._time_task = TimeTask(clock, sensor.health.stale)
+        self._now = self._due = self._offset = 0
+        self._opening: int | None = None
+        self._publishing_task = PublishingTask(self.counts, sensor.silence_timeout,
+                                               sensor.latched)
+        self._monitor = Monitor(
+            [FramingTask(sensor.framer, self._counters, settings['baud_rate'],
+                         settings['sensor'], sensor.protocol,
+                         settings['diagnostics.damaged_share']),
+             self._time_task, *sensor.health.tasks, self._publishing_task],
+            'bahrs_driver', settings['sensor'], lambda: self._now / NANOSECONDS)
+
+    def before(self, now: int) -> Iterator[tuple[int, DiagnosticArray]]:
+        """Return the reports that were due before a moment, each with its time."""
+        if self._opening is None:
+            self._due = now
+        end = min(now, self._due + LONGEST_SILENCE)
+        while self._due < end:
+            yield self._report(self._due)
+        self._due = max(self._due, now)
+
+    def after(self, chunk: Chunk, moment: Moment,
+              batch: list[Stamped]) -> Iterator[tuple[int, DiagnosticArray]]:
+        """Take a chunk and what it completed, and return a report if one is due."""
+        self._now, self._offset = moment.log_ns, moment.offset
+        seconds = self._now / NANOSECONDS
+        if chunk.opening != self._opening:
+            self._opening = chunk.opening
+            self._health.opened()
+        self._counters.bytes_received += len(chunk.data)
+        self._counters.last_bytes = (self._counters.last_bytes + chunk.data)[-SAMPLE_SIZE:]
+        self._time_task.update(seconds)
+        for sentence in self._clock.take_notices():
+            self._time_task.notice(sentence, seconds)
+        for message, _, _ in batch:
+            self._health.observe(message, seconds)
+        self._publishing_task.update(seconds)
+        if self._now >= self._due or self._monitor.change_due():
+            yield self._report(self._now)
+
+    def _report(self, now: int) -> tuple[int, DiagnosticArray]:
+        self._now, self._due = now, now + PERIOD
+        array = DiagnosticArray(status=self._monitor.statuses())
+        array.header.stamp.sec, array.header.stamp.nanosec = divmod(
+            now + self._offset, NANOSECONDS)
+        return now, array

@@ -1,0 +1,160 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The port: opened, read with the host's time, written, closed.
+
+A port is the path of a device or a URL. One thread reads it, any thread may write. Whatever goes
+wrong is one sentence that names the port, the reason and the remedy, and is always a LinkError:
+the port may be back in a second.
+"""
+
+from collections.abc import Callable
+from functools import partial
+import os
+import threading
+
+from bahrs_driver.clock import byte_time_ns
+from bahrs_driver.errors import LinkError
+from bahrs_driver.process.printable import printable
+from bahrs_driver.transport.address import check_baud_rate, parse_address
+from bahrs_driver.transport.attempt import Attempt
+from bahrs_driver.transport.channel import Channel
+from bahrs_driver.transport.device_search import find_device
+from bahrs_driver.transport.explain import Target, why_gone, why_not_open, why_not_written
+from bahrs_driver.transport.pyserial_url import open_loop, open_rfc2217
+from bahrs_driver.transport.reading import Reading
+from bahrs_driver.transport.serial_port import SerialPort
+from bahrs_driver.transport.tcp import TcpConnection
+from bahrs_driver.transport.waker import Waker
+
+__all__ = ['Link', 'LinkError', 'Reading']
+
+READ_TIMEOUT = 0.5      # s; how long a read waits for a device that is silent
+WRITE_TIMEOUT = 1.0     # s
+_NO_LINE_RATE = ('ttyACM', 'ttyGS')
+
+
+class Link:
+    """A port that can be opened again and again."""
+
+    def __init__(self, port: str, baud_rate: int) -> None:
+        """Take a path or URL; ValueError for one that can never be opened."""
+        self.port = port
+        self.name = printable(port)         # safe to show and to log
+        self.baud_rate = baud_rate
+        check_baud_rate(baud_rate)
+        self._address = parse_address(port)
+        self._path = '' if self._address.scheme else port
+        self._channel: Channel | None = None
+        self._was_open = False
+        self._reader_waker, self._writer_waker = Waker(), Waker()
+        self._writing = threading.Lock()
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the port is open."""
+        return self._channel is not None
+
+    @property
+    def is_network(self) -> bool:
+        """Whether the port is at the other end of a network connection."""
+        return self._address.is_network
+
+    @property
+    def path(self) -> str:
+        """Path of the device; empty for a server, and for one that was not found yet."""
+        return self._path
+
+    @property
+    def stolen(self) -> int:
+        """Count of reads since it was opened that found the bytes taken by another program."""
+        channel = self._channel
+        return channel.stolen if channel else 0
+
+    @property
+    def byte_time_ns(self) -> int:
+        """Nanoseconds that a byte takes on the line; 0 for native USB and networks."""
+        name = os.path.basename(os.path.realpath(self._path)) if self._path else ''
+        return byte_time_ns(self.baud_rate) if name and not name.startswith(_NO_LINE_RATE) else 0
+
+    def connect(self) -> None:
+        """Open the port for this process alone. LinkError says why it cannot be."""
+        self.close()
+        try:
+            channel = self._open()
+        except Exception as error:
+            raise why_not_open(self._target(), error) from error
+        self._writer_waker.clear()
+        self._channel = channel
+        self._was_open = True
+
+    def read(self) -> Reading | None:
+        """Wait for bytes and take all there are; None if none came in time, LinkError if gone."""
+        try:
+            return self._required().read(READ_TIMEOUT, self._reader_waker)
+        except Exception as error:
+            raise why_gone(self._target(), error) from error
+
+    def write(self, data: bytes, wait: bool = True) -> None:
+        """
+        Send all of data. LinkError if the port is gone or takes no more.
+
+        Without wait, it must take data at once.
+        """
+        try:
+            self._write(data, WRITE_TIMEOUT if wait else 0.0)
+        except Exception as error:
+            raise why_not_written(self._target(), error) from error
+
+    def cancel_read(self) -> None:
+        """Wake the thread that opens or reads, or is the next to do so, and all that write."""
+        self._reader_waker.wake()
+        self._writer_waker.wake()
+
+    def close(self) -> None:
+        """Close the port. Closing one that is gone or closed does no harm."""
+        self._writer_waker.wake()
+        with self._writing:
+            channel, self._channel = self._channel, None
+        if channel:
+            channel.close()
+
+    def _open(self) -> Channel:
+        address = self._address
+        if address.is_network:
+            return self._connect_to_server()
+        if address.scheme == 'loop':
+            return open_loop(address.text, self.baud_rate)
+        if address.pattern:
+            self._path = ''
+            self._path = find_device(address.pattern, address.turn)
+        return SerialPort(self._path, self.baud_rate)
+
+    def _connect_to_server(self) -> Channel:
+        address = self._address
+        connect: Callable[[], Channel] = partial(open_rfc2217, address.text, self.baud_rate)
+        if address.scheme == 'socket':
+            connect = partial(TcpConnection, address.host, address.port)
+        channel = Attempt[Channel](connect).wait(self._reader_waker)
+        if channel is None:
+            raise InterruptedError('the driver is being stopped')
+        return channel
+
+    def _write(self, data: bytes, timeout: float) -> None:
+        if not self._writing.acquire(blocking=timeout > 0):
+            raise TimeoutError('another request waits to be written')
+        try:
+            self._required().write(data, timeout, self._writer_waker)
+        finally:
+            self._writing.release()
+
+    def _required(self) -> Channel:
+        if self._channel is None:
+            raise OSError('it is not open')
+        return self._channel
+
+    def _target(self) -> Target:
+        name = self.name
+        if self._path and self._path != self.port:
+            name = f'{name} ({printable(self._path)})'
+        return Target(name, self._path, self.baud_rate, self._was_open)

@@ -1,0 +1,108 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a bad cable does to the bytes on it, by rate and seeded."""
+
+from collections import Counter
+from collections.abc import Callable, Mapping
+import math
+import random
+
+from bahrs_driver.virtual_serial.texts import known, number
+
+# What each rate counts: happenings for each byte, or for each frame.
+NAMES = {
+    'bit_flip': 'bytes with one bit inverted',
+    'drop_byte': 'bytes lost',
+    'repeat_byte': 'bytes sent twice',
+    'insert_byte': 'bytes of noise put in after a byte',
+    'break': 'frames cut off somewhere inside',
+    'drop_frame': 'frames lost as a whole',
+    'repeat_frame': 'frames that come twice',
+}
+
+
+def parse_fault(text: str) -> tuple[str, float]:
+    """Return name and rate of a text such as bit_flip=0.001; ValueError if it is none."""
+    name, _, rate = text.partition('=')
+    known(name, 'fault', NAMES)
+    return name, number(rate, f'the rate of {name}', 0, 1)
+
+
+class Faults:
+    """
+    Damages frames.
+
+    Each kind of fault has a random sequence of its own, so that changing the rate of one leaves
+    the others where they were. `counts` tells what was done so far.
+    """
+
+    def __init__(self, seed: int, rates: Mapping[str, float] | None = None) -> None:
+        """Take rates by name, from 0 (never) to 1 (always)."""
+        self.counts: Counter[str] = Counter()
+        self._random = {name: random.Random(f'{name} {seed}') for name in NAMES}
+        self._rates = dict.fromkeys(NAMES, 0.0)
+        self._distance = dict.fromkeys(NAMES, math.inf)     # how many to go until the next
+        for name, rate in (rates or {}).items():
+            self.set_rate(name, rate)
+
+    def set_rate(self, name: str, rate: float) -> None:
+        """Change the rate of a fault from the next frame on."""
+        self._rates[name] = rate
+        self._distance[name] = self._draw(name)
+
+    def apply(self, frame: bytes) -> bytes:
+        """Return what arrives of a frame."""
+        if self._hits('drop_frame', 1):
+            return b''
+        for name, damage in _DAMAGES.items():
+            # Behind the first, so that what happened before does not move.
+            for index in reversed(self._hits(name, len(frame))):
+                frame = damage(frame, index, self._random[name])
+        if self._hits('break', 1):
+            frame = frame[:self._random['break'].randrange(1, max(2, len(frame)))]
+        return frame * 2 if self._hits('repeat_frame', 1) else frame
+
+    def _hits(self, name: str, length: int) -> list[int]:
+        """Return which of the next things are hit, by index, and count them."""
+        found = []
+        distance = self._distance[name]
+        while distance < length:
+            found.append(int(distance))
+            distance += 1 + self._draw(name)
+        self._distance[name] = distance - length
+        if found:
+            self.counts[name] += len(found)
+        return found
+
+    def _draw(self, name: str) -> float:
+        """Return how many are spared until the next is hit."""
+        rate = self._rates[name]
+        if not rate:
+            return math.inf
+        if rate == 1:
+            return 0
+        return math.floor(math.log(1 - self._random[name].random()) / math.log1p(-rate))
+
+
+def _flip(frame: bytes, index: int, source: random.Random) -> bytes:
+    return _replace(frame, index, bytes([frame[index] ^ 1 << source.randrange(8)]))
+
+
+def _drop(frame: bytes, index: int, source: random.Random) -> bytes:
+    return _replace(frame, index, b'')
+
+
+def _repeat(frame: bytes, index: int, source: random.Random) -> bytes:
+    return _replace(frame, index, frame[index:index + 1] * 2)
+
+
+def _insert(frame: bytes, index: int, source: random.Random) -> bytes:
+    return _replace(frame, index, frame[index:index + 1] + bytes([source.randrange(256)]))
+
+
+def _replace(frame: bytes, index: int, instead: bytes) -> bytes:
+    return frame[:index] + instead + frame[index + 1:]
+
+
+_DAMAGES: dict[str, Callable[[bytes, int, random.Random], bytes]] = {
+    'bit_flip': _flip, 'drop_byte': _drop, 'repeat_byte': _repeat, 'insert_byte': _insert}

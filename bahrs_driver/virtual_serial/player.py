@@ -1,0 +1,62 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Plays a recorded stream on a port, at its own pace, while a reader has the port open."""
+
+from collections.abc import Callable, Iterable
+import time
+
+from bahrs_driver.virtual_serial.pacing import Piece
+from bahrs_driver.virtual_serial.pty_port import PtyPort
+
+
+class Player:
+    """
+    Writes pieces when they are due, and pauses while no reader has the port open.
+
+    What is written then would be lost, and the player would report a stream that was not read.
+    """
+
+    def __init__(self, port: PtyPort, rate: float, settle: float, patience: float | None,
+                 report: Callable[[str], None]) -> None:
+        """
+        Play on a port; no piece is played before play() is called.
+
+        rate is how many times faster than recorded, settle the time in seconds that a reader gets
+        after it has opened the port, and patience the longest time to wait for another reader.
+        """
+        self.played = 0                 # bytes
+        self._port, self._rate, self._settle = port, rate, settle
+        self._patience, self._report = patience, report
+
+    def play(self, pieces: Iterable[Piece]) -> bool:
+        """Play to the end; False if the reader closed the port and none opens it again."""
+        start = time.monotonic()
+        for due, data in pieces:
+            ahead = start + due / self._rate - time.monotonic()
+            if ahead > 0:
+                time.sleep(ahead)
+            while not self._write(data):
+                gone = time.monotonic()
+                if not self._reader_comes(due):
+                    return False
+                start += time.monotonic() - gone
+        return True
+
+    def _write(self, data: bytes) -> bool:
+        """Write a piece if there is a reader; what it leaves unread when it closes is lost."""
+        if not data:            # after the end of the stream, when the reader may have gone
+            return True
+        if not self._port.is_open:
+            return False
+        self._port.write(data)
+        self.played += len(data)
+        return True
+
+    def _reader_comes(self, due: float) -> bool:
+        limit = '' if self._patience is None else f' for {self._patience:g} s'
+        self._report(f'the reader has closed the port, {due:.1f} s after the beginning: waiting'
+                     f'{limit} until it is opened again')
+        if not self._port.wait_until_open(self._patience):
+            return False
+        time.sleep(self._settle)
+        return True

@@ -1,0 +1,174 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""A serial port made of a pseudo-terminal: this is the device's end of the cable."""
+
+import fcntl
+import os
+from pathlib import Path
+import pty
+import re
+import select
+import struct
+import termios
+import time
+import tty
+
+from bahrs_driver.files.guard import guard
+from bahrs_driver.process.printable import printable
+
+_PSEUDO_TERMINAL = re.compile('/dev/pts/[0-9]+')
+_READ_SIZE = 4096
+_READER_POLL_PERIOD = 0.02     # s between two looks for a reader at the other end
+_EXCLUSIVE_WAIT = 2.0   # s for a reader of whom nothing is known
+_UNKNOWN = -1           # number of bytes
+
+
+class PtyPort:
+    """
+    The device's end of a pseudo-terminal whose other end is a serial port to open.
+
+    `path` is what to open; `link` an optional symbolic link to it, which is removed at the end.
+    """
+
+    def __init__(self, link: str | None = None) -> None:
+        """
+        Make the port.
+
+        Only the link of a pseudo-terminal that is gone is replaced; FileExistsError if anything
+        else is there, OSError if the port cannot be made, WriteError if the link cannot.
+        """
+        self._link = Path(link) if link else None
+        self._fd, far_end = pty.openpty()
+        tty.setraw(far_end)
+        os.set_blocking(self._fd, False)
+        self.path = os.ttyname(far_end)
+        # Closing it lets poll() show whether another program has it open.
+        os.close(far_end)
+        try:
+            self._make_link()
+        except BaseException:
+            os.close(self._fd)
+            raise
+
+    @property
+    def name(self) -> str:
+        """Path to tell the user to open."""
+        return str(self._link or self.path)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether somebody has the port open."""
+        return not self._poll(select.POLLHUP, 0.0)
+
+    def wait_until_open(self, timeout: float | None = None) -> bool:
+        """Wait until somebody has the port open; False if nobody came in time (seconds)."""
+        waited = 0.0
+        while not self.is_open:
+            if timeout is not None and waited >= timeout:
+                return False
+            time.sleep(_READER_POLL_PERIOD)
+            waited += _READER_POLL_PERIOD
+        return True
+
+    def wait_until_read(self, timeout: float) -> bool:
+        """
+        Wait until all that was sent is read, or nobody listens; False if not so in seconds.
+
+        What was sent a moment ago may not be there to be read yet, and is then not seen. A reader
+        that has opened the port for itself alone is given a fixed time instead.
+        """
+        waited = 0.0
+        while self.is_open and (unread := self._unread()):
+            if waited >= (min(timeout, _EXCLUSIVE_WAIT) if unread == _UNKNOWN else timeout):
+                return unread == _UNKNOWN
+            time.sleep(_READER_POLL_PERIOD)
+            waited += _READER_POLL_PERIOD
+        return True
+
+    def _make_link(self) -> None:
+        if not self._link:
+            return
+        if os.path.lexists(self._link):
+            self._refuse_foreign(self._link)
+            self._link.unlink(missing_ok=True)
+        with guard(self._link):
+            self._link.symlink_to(self.path)
+
+    def _refuse_foreign(self, link: Path) -> None:
+        """Raise FileExistsError unless a link is what an emulator that was killed has left."""
+        if not link.is_symlink():
+            raise FileExistsError(f'{printable(link)} exists and is not a symbolic link: choose '
+                                  'another name')
+        leads_to = os.readlink(link)
+        if not _PSEUDO_TERMINAL.fullmatch(leads_to):
+            raise FileExistsError(f'{printable(link)} leads to {printable(leads_to)}, which is '
+                                  'not a port of an emulator: choose another name')
+        if leads_to != self.path and link.exists():
+            raise FileExistsError(f'{printable(link)} is the port of another program: end that, '
+                                  'or remove the link')
+
+    def _unread(self) -> int:
+        """Return how many bytes wait at the other end, if one may look there."""
+        try:
+            far_end = os.open(self.path, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
+        except OSError:         # the reader has it for itself alone, and we are not root
+            return _UNKNOWN
+        try:
+            count, = struct.unpack('i', fcntl.ioctl(far_end, termios.FIONREAD, bytes(4)))
+        finally:
+            os.close(far_end)
+        return int(count)
+
+    def _poll(self, events: int, timeout: float) -> bool:
+        # Not select(), which fails on descriptors from 1024 on.
+        poll = select.poll()
+        poll.register(self._fd, events)
+        return bool(poll.poll(timeout * 1e3))
+
+    def write(self, data: bytes) -> None:
+        """Send data; wait where the reader is slow. Without a reader it is lost, as on a cable."""
+        while data and self.is_open:
+            try:
+                data = data[os.write(self._fd, data):]
+            except BlockingIOError:
+                self._poll(select.POLLOUT, _READER_POLL_PERIOD)
+
+    def write_at_once(self, data: bytes) -> int:
+        """Send what can be sent without waiting; return how much, all if nobody listens."""
+        if not data or not self.is_open:
+            return len(data)
+        try:
+            return os.write(self._fd, data)
+        except BlockingIOError:
+            return 0
+
+    def fileno(self) -> int:
+        """Return the descriptor to wait on for what is sent to the device."""
+        return self._fd
+
+    def read(self, timeout: float = 0.0) -> bytes:
+        """Return what was sent to the device, waiting at most timeout seconds for the first."""
+        if not self.is_open or not self._poll(select.POLLIN, timeout):
+            return b''
+        try:
+            return os.read(self._fd, _READ_SIZE)
+        except OSError:         # closed at the other end in the meantime
+            return b''
+
+    def close(self) -> None:
+        """Take the port away, as unplugging an adapter does; once it is, nothing happens."""
+        if self._fd < 0:
+            return
+        # The link first: once the port is closed, its path may be that of somebody else's.
+        if self._link and self._link.is_symlink() and os.readlink(self._link) == self.path:
+            self._link.unlink()
+        os.close(self._fd)
+        self._fd = -1
+
+    def __enter__(self) -> 'PtyPort':
+        """Return the port itself."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the port."""
+        self.close()

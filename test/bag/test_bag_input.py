@@ -1,0 +1,212 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of bags that are compressed, damaged in parts, or claim what is not there."""
+
+import os
+import shutil
+import sqlite3
+import struct
+import subprocess
+
+from bahrs_driver.bag import bag_files, sqlite_input
+from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.bag.stored_message import LARGEST_PART
+from bahrs_driver.errors import CaptureError
+from mcap.data_stream import RecordBuilder
+from mcap.opcode import Opcode
+from mcap.records import Chunk as McapChunk
+from mcap.writer import CompressionType, MCAP0_MAGIC
+import pytest
+from rclpy.serialization import serialize_message
+from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
+from std_msgs.msg import UInt8MultiArray
+from support.bags import CHUNKS, every_form, messages, STORE, TYPE, write_bag, write_mcap
+from support.processes import command
+from support.shared_files import shared_file
+import zstandard
+
+BOMB = 1 << 30              # bytes that a few kilobytes expand to
+MOST_MEMORY = 2 << 30       # bytes of address space; a process that reads a bag has about one
+
+
+def test_every_form_of_a_bag(tmp_path):
+    """Both storages, compressed by message, by file, and by chunk; a file or its directory."""
+    files = every_form(tmp_path)
+    assert len(files) == 10
+    for file in files:
+        read = read_capture(file)
+        assert list(read.chunks()) == list(read.chunks()) == CHUNKS, file
+        assert (read.done, read.notes, read.sensor) == (read.size, [], 'bahrs')
+        assert file.parent == tmp_path or list(read_capture(file.parent).chunks()) == CHUNKS
+
+
+def test_a_bag_by_another_name(tmp_path):
+    """What a file is shows in its first bytes."""
+    for file in every_form(tmp_path):
+        assert list(read_capture(file.rename(tmp_path / 'flight.bin')).chunks()) == CHUNKS
+
+
+def test_a_file_that_was_being_compressed(tmp_path):
+    """The one that is not compressed is whole."""
+    folder = write_bag(tmp_path / 'bag', StoragePlugin.MCAP)
+    (folder / 'bag.mcap.zstd').write_bytes(zstandard.compress(b'half')[:-1])
+    assert list(read_capture(folder).chunks()) == CHUNKS
+
+
+def test_sqlite_in_the_order_of_writing(tmp_path):
+    """And not in that of log times, which go back where the clock was set."""
+    items = [(10 ** 18 - index, data) for index, (_, data) in enumerate(messages())]
+    bag = write_bag(tmp_path / 'bag', StoragePlugin.SQLITE3, items=items)
+    assert list(read_capture(bag).chunks()) == CHUNKS
+
+
+def test_sqlite_of_a_recorder_that_was_killed(tmp_path):
+    """What is still in its log is read, and nothing is left beside a bag that has none."""
+    bag = write_bag(tmp_path / 'bag', StoragePlugin.SQLITE3, items=messages()[:4])
+    assert len(list(read_capture(bag).chunks())) == 4
+    assert {file.name for file in bag.iterdir()} == {'bag.db3', 'metadata.yaml'}
+    connection = sqlite3.connect(bag / 'bag.db3')
+    connection.execute('PRAGMA journal_mode=WAL')
+    connection.executemany('INSERT INTO messages (topic_id, timestamp, data) VALUES (2, ?, ?)',
+                           [(time, data) for time, data in messages()[4:]])
+    connection.commit()
+    killed = shutil.copytree(bag, tmp_path / 'killed')
+    connection.close()
+    assert (killed / 'bag.db3-wal').exists()
+    assert list(read_capture(killed).chunks()) == CHUNKS
+
+
+@pytest.mark.parametrize('name, reason', [
+    ('msg_empty', 'it is empty'), ('msg_short', 'it is cut')])
+def test_a_message_that_cannot_be_decoded(name, reason):
+    """Alone it is one sentence."""
+    with pytest.raises(CaptureError, match=f'no message on topic raw that can be .*{reason}'):
+        read_capture(shared_file(f'cases/{name}.mcap'))
+
+
+@pytest.mark.parametrize('plugin', StoragePlugin)
+@pytest.mark.parametrize('bad', [b'', b'\0\1\0\0', b'\0\1', b'\xff' * 40, b'\x28\xb5\x2f\xfdxxxx',
+                                 b'\0\1\0\0' + b'\xff' * 8])
+def test_bad_messages_among_good_ones(tmp_path, plugin, bad):
+    """The others are read, and a note says how many were not."""
+    items = messages()
+    for place in (10, 5, 0):
+        items.insert(place, (10 ** 18 + 1000 + place, bad))
+    read = read_capture(write_bag(tmp_path / 'bag', plugin, items=items))
+    assert list(read.chunks()) == CHUNKS
+    assert len(read.notes) == 1 and '3 messages left out as damaged (it ' in read.notes[0]
+
+
+def test_times_that_ros_does_not_have(tmp_path):
+    """They are left out, for no stamp can be made of them."""
+    path = tmp_path / 'bag'
+    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection('/raw', TYPE, typestore=STORE)
+        plain = serialize_message(UInt8MultiArray())
+        for time in (5, 2 ** 31 * 10 ** 9, 2 ** 63 - 1):
+            writer.write(connection, time, plain)
+    read = read_capture(path)
+    assert [chunk.read_at for chunk in read.chunks()] == [5]
+    assert '2 messages left out' in read.notes[0] and '2038' in read.notes[0]
+
+
+def test_a_damaged_chunk(tmp_path):
+    """Only its own messages are lost, even if it is the first, which has the definitions."""
+    file = tmp_path / 'bag.mcap'
+    end = write_mcap(file, CompressionType.NONE)
+    content = file.read_bytes()
+    for label in (b'opening=1 byte_ns=86805 ros_ns=1000000000000000000 ', b'raw_ns=5000000004'):
+        place = content.index(label)
+        file.write_bytes(content[:place] + b'X' + content[place + 1:])
+        read = read_capture(file)
+        assert len(list(read.chunks())) == 9
+        assert read.notes == [f'{file}: 1 chunk left out as damaged (its checksum is wrong)']
+    assert end < len(content)
+
+
+def bomb(tmp_path, name):
+    """Return a file that claims, or expands to, much more than it is."""
+    if name == 'record':
+        return shared_file('cases/reclen3g.mcap')
+    file = tmp_path / f'{name}.mcap'
+    zeros = zstandard.ZstdCompressor().compressobj()
+    squeezed = b''.join([*(zeros.compress(bytes(1 << 20)) for _ in range(BOMB >> 20)),
+                         zeros.flush()])
+    if name == 'file':
+        file.write_bytes(squeezed)
+        return file
+    if name == 'message':
+        write_mcap(file, CompressionType.NONE, items=[(1, squeezed)])
+        return file
+    claims = {'claim': 3 << 30, 'small_claim': 1000, 'limit_claim': LARGEST_PART}
+    builder = RecordBuilder()
+    McapChunk('zstd', squeezed, 1, 1, 0, claims[name]).write(builder)
+    file.write_bytes(MCAP0_MAGIC + builder.end())
+    return file
+
+
+@pytest.mark.parametrize('name', [
+    'record', 'file', 'message', 'claim', 'small_claim', 'limit_claim'])
+def test_claims_of_gigabytes(tmp_path, name):
+    """They are refused in one sentence, without being allocated."""
+    file = bomb(tmp_path, name)
+    done = subprocess.run(
+        ['sh', '-c', f'ulimit -v {MOST_MEMORY >> 10}; exec "$0" "$@"',
+         *command('bahrs', 'report', str(file))], capture_output=True, text=True,
+        env={**os.environ, 'OPENBLAS_NUM_THREADS': '1'}, check=False)
+    assert done.returncode == 1 and done.stdout == ''
+    assert done.stderr.startswith(f'bahrs report: {file}') and done.stderr.count('\n') == 1
+
+
+def test_sqlite_claims(tmp_path, monkeypatch):
+    """A message that is too large is not read, and the others are."""
+    longest = max(len(data) for _, data in messages())
+    items = [*messages(), (10 ** 18, bytes(longest + 1))]
+    bag = write_bag(tmp_path / 'bag', StoragePlugin.SQLITE3, items=items)
+    monkeypatch.setattr(sqlite_input, 'LARGEST_PART', longest)
+    read = read_capture(bag)
+    assert list(read.chunks()) == CHUNKS and '1 message left out' in read.notes[0]
+
+
+def test_a_compressed_database_that_expands_too_far(tmp_path, monkeypatch):
+    """It is refused with the way to decompress it by hand, and no temporary file is left."""
+    bag = write_bag(tmp_path / 'bag', StoragePlugin.SQLITE3, compression=CompressionMode.FILE)
+    monkeypatch.setattr(bag_files, 'SMALLEST_LIMIT', 1000)
+    monkeypatch.setattr(bag_files, 'LARGEST_RATIO', 2)
+    monkeypatch.setattr('tempfile.tempdir', str(tmp_path))
+    with pytest.raises(CaptureError, match='expands to more than .*zstd -d'):
+        read_capture(bag)
+    assert [file.name for file in tmp_path.iterdir()] == ['bag']
+
+
+def test_a_database_whose_messages_are_computed(tmp_path):
+    """A view is no table of a bag: it may never end."""
+    file = tmp_path / 'bag.db3'
+    with sqlite3.connect(file) as connection:
+        connection.execute('CREATE TABLE topics (id, name, type)')
+        connection.execute(
+            'CREATE VIEW messages AS WITH RECURSIVE n(id) AS (SELECT 1 UNION ALL '
+            'SELECT id + 1 FROM n) SELECT id, 1 AS topic_id, 1 AS timestamp, NULL AS data FROM n')
+    with pytest.raises(CaptureError, match='has no tables of a bag'):
+        read_capture(file)
+
+
+def test_topics_are_printable(tmp_path):
+    """A name in a bag commands no terminal."""
+    bag = write_bag(tmp_path / 'bag', StoragePlugin.MCAP, ('/\x1bc/raw', '/two/raw'))
+    with pytest.raises(CaptureError) as caught:
+        read_capture(bag, '/none')
+    assert r'/\x1bc/raw' in str(caught.value)
+    read = read_capture(bag, '/two/raw')
+    assert list(read.chunks()) == CHUNKS and str(read.notes[0]).isprintable()
+
+
+@pytest.mark.parametrize('claim', [2 ** 63 - 1, 2 ** 64 - 1, 2 ** 62, 3 << 30])
+@pytest.mark.parametrize('kind', [Opcode.CHUNK, Opcode.MESSAGE, Opcode.ATTACHMENT, 0x90])
+def test_lengths_beyond_the_file(tmp_path, claim, kind):
+    """What came before is read, and the end is noted."""
+    file = tmp_path / 'bag.mcap'
+    end = write_mcap(file)
+    file.write_bytes(file.read_bytes()[:end] + struct.pack('<BQ', kind, claim))
+    read = read_capture(file)
+    assert len(list(read.chunks())) in (9, 10) and 'ends early' in read.notes[-1]

@@ -1,0 +1,147 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of reading what was kept: byte files, MCAP and SQLite bags, whole and damaged."""
+
+from bahrs_driver.bag import capture
+from bahrs_driver.bag.capture import Chunk
+from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.bag.read_metadata import parse_label
+from bahrs_driver.errors import CaptureError
+from mcap.writer import CompressionType
+import pytest
+from rclpy.serialization import serialize_message
+from rosbags.rosbag2 import StoragePlugin, Writer
+from std_msgs.msg import UInt8MultiArray
+from support.bags import CHUNKS, ORIGINS, PIECES, STORE, TYPE, write_bag, write_mcap
+
+
+def test_byte_file(tmp_path, monkeypatch):
+    """In pieces, without times, again from the beginning."""
+    monkeypatch.setattr(capture, 'PIECE', 30)
+    file = tmp_path / 'flight.bin'
+    file.write_bytes(b''.join(PIECES))
+    read = read_capture(str(file))
+    assert (read.size, read.sensor, read.timed) == (200, None, False)
+    for _ in range(2):
+        chunks = list(read.chunks())
+        assert [len(chunk.data) for chunk in chunks] == [30] * 6 + [20]
+        assert b''.join(chunk.data for chunk in chunks) == b''.join(PIECES)
+        assert {chunk.read_at for chunk in chunks} == {None}
+        assert read.done == read.size
+
+
+@pytest.mark.parametrize('plugin', StoragePlugin)
+def test_bag(tmp_path, plugin):
+    """Bytes and times of each read, from what the label says."""
+    read = read_capture(write_bag(tmp_path / 'bag', plugin))
+    assert (read.sensor, read.byte_ns, read.timed) == ('bahrs', 86805, True)
+    assert list(read.chunks()) == list(read.chunks()) == CHUNKS
+    assert read.notes == []
+    assert read.done == read.size
+
+
+def test_one_file_of_a_bag(tmp_path):
+    """It is enough."""
+    path = write_bag(tmp_path / 'bag', StoragePlugin.MCAP)
+    assert list(read_capture(path / 'bag.mcap').chunks()) == CHUNKS
+
+
+@pytest.mark.parametrize('compression', CompressionType)
+def test_compressed_chunks(tmp_path, compression):
+    """As MCAP has them."""
+    write_mcap(tmp_path / 'a.mcap', compression)
+    assert list(read_capture(tmp_path / 'a.mcap').chunks()) == CHUNKS
+
+
+def test_a_recorder_was_killed(tmp_path):
+    """Whatever is there of the file, all complete chunks come, with a note."""
+    file = tmp_path / 'bag_0.mcap'
+    end = write_mcap(file)
+    whole, counts = file.read_bytes(), []
+    for length in range(len(whole), 0, -13):
+        file.write_bytes(whole[:length])
+        try:
+            read = read_capture(tmp_path)
+        except CaptureError as error:
+            assert 'ends early' in str(error) or 'no topic raw' in str(error)
+            chunks = []
+        else:
+            chunks = list(read.chunks())
+            assert len(read.notes) == (length < len(whole))
+        assert chunks == CHUNKS[:len(chunks)]
+        if length >= end:
+            assert chunks == CHUNKS
+        counts.append(len(chunks))
+    assert counts == sorted(counts, reverse=True) and set(counts) == set(range(11))
+
+
+def test_split_bag_without_metadata(tmp_path):
+    """Files are read by their numbers, ten after nine."""
+    for index in (10, 9, 2):
+        write_mcap(tmp_path / f'bag_{index}.mcap')
+    read = read_capture(tmp_path)
+    assert list(read.chunks()) == 3 * CHUNKS
+    assert read.size == sum(file.stat().st_size for file in tmp_path.iterdir())
+
+
+def test_bytes_of_somebody_else(tmp_path):
+    """Without a label of ours the time is that of the log."""
+    with Writer(tmp_path / 'bag', version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection('/raw', TYPE, typestore=STORE)
+        writer.write(connection, 77, serialize_message(UInt8MultiArray(data=b'abc')))
+    read = read_capture(tmp_path / 'bag')
+    assert list(read.chunks()) == [Chunk(b'abc', 77)]
+    assert (read.sensor, read.byte_ns) == (None, None)
+
+
+def test_several_topics_of_raw_bytes(tmp_path):
+    """One is read, and the others are told of; naming one helps."""
+    path = write_bag(tmp_path / 'bag', StoragePlugin.MCAP, ('/one/raw', '/two/raw'))
+    read = read_capture(path)
+    assert list(read.chunks()) == CHUNKS
+    assert '/two/raw' in read.notes[0]
+    assert list(read_capture(path, 'two/raw').chunks()) == CHUNKS
+
+
+@pytest.mark.parametrize('make, sentence', [
+    (lambda path: None, 'cannot read .*bag: No such file'),
+    (lambda path: path.mkdir(), 'is not a bag: it has no .mcap'),
+    (lambda path: path.with_suffix('.mcap').write_bytes(b'x'), 'No such file'),
+])
+def test_what_cannot_be_read(tmp_path, make, sentence):
+    """One sentence says why."""
+    make(tmp_path / 'bag')
+    with pytest.raises(CaptureError, match=sentence):
+        read_capture(tmp_path / 'bag')
+
+
+def test_files_that_are_no_bags(tmp_path):
+    """Whatever their name says."""
+    for suffix in ('.mcap', '.db3'):
+        file = tmp_path / f'file{suffix}'
+        for content in (b'', b'x', bytes(1000)):
+            file.write_bytes(content)
+            with pytest.raises(CaptureError, match=str(file)):
+                read_capture(file)
+
+
+def test_bag_without_raw(tmp_path):
+    """The sentence says how to record it."""
+    with pytest.raises(CaptureError, match='publish.raw'):
+        read_capture(write_bag(tmp_path / 'bag', StoragePlugin.MCAP, ()))
+
+
+@pytest.mark.parametrize('origin', ORIGINS[:3])
+def test_label(origin):
+    """What was written is read."""
+    assert parse_label(origin.label()) == origin
+    assert parse_label(origin.label() + ' new=1') == origin
+
+
+@pytest.mark.parametrize('label', [
+    '', 'rows', 'sensor=x', 'sensor=x opening=y byte_ns=1',
+    f'sensor=bahrs opening=1 byte_ns=1 ros_ns={2 ** 63} raw_ns=1',
+    'sensor=bahrs opening=1 byte_ns=1 ros_ns=-1 raw_ns=1'])
+def test_label_of_somebody_else(label):
+    """It says nothing."""
+    assert parse_label(label) is None

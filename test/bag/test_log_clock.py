@@ -1,0 +1,82 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of log times: even over a clock that is set, and never back whatever a recording says."""
+
+from bahrs_driver.bag.log_clock import LATEST, LogClock, Moment, MOST_STEPS
+from hypothesis import given, strategies as st
+
+S = 1_000_000_000
+HOUR = 3600 * S
+ROS, RAW = 1_700_000_000 * S, 50 * S
+
+
+def test_nobody_sets_the_clock():
+    """Log time is ROS time, also of a clock that is slewed."""
+    clock, slewed = LogClock(), 0
+    for index in range(100):
+        slewed += 400_000 * (index % 2)         # 8 % of 5 ms
+        ros, raw = ROS + index * S // 200 + slewed, RAW + index * S // 200
+        assert clock.observe(ros, raw) == Moment(ros, ros, raw)
+    assert clock.steps == [] and clock.sentences() == []
+
+
+def test_set_back_and_forward():
+    """Each step is reported with its time and size; log times go on evenly."""
+    clock = LogClock()
+    sets = {20: -HOUR, 50: 7 * S, 70: 24 * HOUR}
+    offset = 0
+    for index in range(100):
+        offset += sets.get(index, 0)
+        moment = clock.observe(ROS + index * S + offset, RAW + index * S)
+        assert moment.log_ns == ROS + index * S and moment.offset == offset
+    assert [(step.seconds, step.size_ns) for step in clock.steps] == list(sets.items())
+    assert clock.sentences()[0] == (
+        "the host's clock was set by -3600.000000 s, 20.000 s after the beginning: log times go "
+        'on evenly, stamps follow the clock')
+
+
+def test_without_a_steady_clock():
+    """Order is kept, and spacing where time goes forward."""
+    clock = LogClock()
+    times = [ROS, ROS + S, ROS + S - HOUR, ROS + 2 * S - HOUR]     # the third a second later
+    assert [clock.observe(time, None).log_ns - ROS for time in times] == [0, S, 2 * S, 3 * S]
+    assert [step.size_ns for step in clock.steps] == [-HOUR - S]
+
+
+def test_a_host_that_was_started_again():
+    """Its steady clock begins anew: time goes on by ROS time, which was not set."""
+    clock = LogClock()
+    moments = [clock.observe(ROS, 500 * S), clock.observe(ROS + 90 * S, 20 * S),
+               clock.observe(ROS + 91 * S, 21 * S)]
+    assert [moment.log_ns - ROS for moment in moments] == [0, 90 * S, 91 * S]
+    assert [moment.raw_ns for moment in moments] == [500 * S, 590 * S, 591 * S]
+    assert clock.steps == []
+
+
+TIME = st.integers(0, 2 ** 31 * S)
+
+
+@given(st.lists(st.tuples(st.integers(0, 10 * S), st.integers(-HOUR, HOUR)), min_size=1))
+def test_spacing_is_that_of_the_steady_clock(moves):
+    """Whatever the clock is set by, to what slewing can be."""
+    clock, raw, offset = LogClock(), RAW, 0
+    last = clock.observe(ROS, RAW).log_ns
+    for elapsed, step in moves:
+        raw, offset = raw + elapsed, offset + step
+        now = clock.observe(ROS + raw - RAW + offset, raw).log_ns
+        slew = 500_000 + elapsed // 10
+        assert now >= last and abs(now - last - elapsed) <= slew
+        last = now
+    assert clock.step_count >= sum(abs(step) > 500_000 + elapsed // 10 for elapsed, step in moves)
+
+
+@given(st.lists(st.tuples(TIME, st.one_of(st.none(), st.integers(0, 2 ** 63 - 1)))))
+def test_never_back_and_bounded(moments):
+    """For any labels at all."""
+    clock, last = LogClock(), Moment(0, 0, 0)
+    for ros, raw in moments:
+        moment = clock.observe(ros, raw)
+        assert moment.ros_ns == ros
+        assert last.log_ns <= moment.log_ns <= LATEST and last.raw_ns <= moment.raw_ns
+        last = moment
+    assert len(clock.steps) <= MOST_STEPS and len(clock.sentences()) <= MOST_STEPS + 1

@@ -1,0 +1,96 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of synchronisation pulses, with literal pairs."""
+
+from bahrs_driver.clock import Instant
+from bahrs_driver.clock.estimation.pulses import DelayEstimate, PulseReference, PulseTracker
+from bahrs_driver.clock.estimation.tracker import Tracker
+from bahrs_driver.clock.host import HostClocks
+from bahrs_driver.clock.sync_pulses import SyncPulses
+import pytest
+
+S = 1_000_000_000
+OFFSET = 7 * S + 123
+
+
+def fed(*pulses, tracker=None):
+    """Return a tracker that has seen pulses: second, and error of the host's time in us."""
+    tracker = tracker or PulseTracker(S)
+    for second, error in pulses:
+        tracker.feed(second * S, second * S + OFFSET + error * 1000, 0.0, 20e-6)
+    return tracker
+
+
+def test_settled_after_three():
+    """And exact."""
+    tracker = fed((1, 0), (2, 0))
+    assert not tracker.settled
+    fed((3, 0), tracker=tracker)
+    assert tracker.settled and tracker.host_time(4 * S) == 4 * S + OFFSET
+
+
+def test_a_spurious_pulse_is_counted_and_has_no_effect():
+    """Anything may come in on a wire."""
+    tracker = fed((1, 0), (2, 0), (3, 0), (4, 5000), (5, 0))
+    assert (tracker.accepted, tracker.spurious, tracker.missing) == (4, 1, 0)
+    assert tracker.host_time(6 * S) == pytest.approx(6 * S + OFFSET, abs=100)
+
+
+def test_missing_pulses_are_counted():
+    """Three between 3 and 7."""
+    tracker = fed((1, 0), (2, 0), (3, 0), (7, 0))
+    assert tracker.missing == 3 and tracker.settled
+
+
+def test_four_misses_in_a_row_begin_anew():
+    """The line may have been cut."""
+    tracker = fed((1, 0), (2, 0), (3, 0))
+    assert not tracker.lost(7 * S)
+    assert tracker.lost(8 * S)
+    assert not tracker.settled and tracker.missing == 4
+    assert not tracker.lost(9 * S)
+
+
+def test_four_misfits_in_a_row_are_the_new_truth():
+    """The host's clock was set."""
+    tracker = fed((1, 0), (2, 0), (3, 0), *((second, 300_000) for second in range(4, 10)))
+    assert tracker.settled
+    assert tracker.host_time(10 * S) == pytest.approx(10 * S + OFFSET + 300_000_000, abs=1000)
+
+
+@pytest.mark.parametrize('about, expected', [
+    (10 * S + 16_000_000, 10 * S), (10 * S - 400_000_000, 10 * S), (10 * S, 10 * S)])
+def test_the_nearest_whole_second(about, expected):
+    """Of a host that is disciplined by the same receiver."""
+    assert PulseReference(S, told=False).find(about) == expected
+
+
+def test_times_that_are_told():
+    """The nearest within half a period, if any."""
+    reference = PulseReference(S, told=True)
+    assert reference.find(5 * S) is None
+    reference.tell(4 * S + 250_000_000)
+    reference.tell(5 * S + 250_000_000)
+    assert reference.find(5 * S + 260_000_000) == 5 * S + 250_000_000
+    assert reference.find(9 * S) is None
+
+
+def test_delay_is_a_median():
+    """One that is far off does not move it."""
+    delay = DelayEstimate()
+    assert delay.value is None
+    for value in (50, 52, 9_000_000, 51, 49):
+        delay.add(value)
+    assert delay.value == 51
+
+
+def test_a_pulse_that_contradicts_the_bytes_is_not_believed():
+    """It would make samples later than their reads: the host is not on the pulses' time."""
+    passive, host, pulses = Tracker(), HostClocks(), SyncPulses(True, S, False)
+    host.read(Instant(0, 0))
+    for second in range(1, 6):
+        passive.feed(second * S, second * S + 50_000)
+        pulses.take(second * S - 300_000_000)
+        pulses.update(second * S, passive, host)
+    assert pulses.line is None
+    assert (pulses.tracker.accepted, pulses.tracker.spurious) == (0, 5)

@@ -1,0 +1,142 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of time known from both sides, against the live clock and simulated truth."""
+
+import random
+
+from bahrs_driver.clock import SampleClock
+from bahrs_driver.clock.estimation.rauch import Measurement, smoothed
+from bahrs_driver.clock.estimation.smoother import Survey
+from bahrs_driver.clock.estimation.tracker import Tracker
+from clock_simulation import Case
+import pytest
+from support.simulated import simulated
+
+S = 1_000_000_000
+SAMPLE = 5_000_000
+
+
+def lines(samples):
+    """Return what a survey knows of (device time, bound) pairs in the end."""
+    survey = Survey()
+    survey.restart()
+    for device, bound in samples:
+        survey.feed(device, bound)
+    smooth = survey.lines()
+    smooth.restart()
+    smooth.feed(*samples[0])
+    return smooth
+
+
+def test_smoother_of_a_straight_line():
+    """Without noise it is found as it is."""
+    items = [Measurement(i * S, 1000.0 + 2e-5 * i * S, 100.0) for i in range(50)]
+    for item, (offset, skew) in zip(items, smoothed(items, 1e12)):
+        assert offset == pytest.approx(item.offset, abs=1.0)
+        assert skew == pytest.approx(2e-5, abs=1e-8)
+
+
+def test_smoother_looks_both_ways():
+    """It is closer to a noisy line than its measurements, and so is its beginning."""
+    source = random.Random(1)
+    items = [Measurement(i * S, source.gauss(0, 1e5), 1e10) for i in range(400)]
+    offsets = [offset for offset, _ in smoothed(items, 1e14)]
+    assert max(map(abs, offsets)) < 5e4
+    assert max(map(abs, offsets[:20])) < 5e4
+
+
+def test_smoother_may_jump_where_it_is_told():
+    """And nowhere else."""
+    items = [Measurement(i * S, 1e6 * (i >= 20), 100.0, 1e14 * (i == 20)) for i in range(40)]
+    for item, (offset, _) in zip(items, smoothed(items, 1e12)):
+        assert offset == pytest.approx(item.offset, abs=100.0)
+
+
+@pytest.mark.parametrize('case', [
+    Case(30.0), Case(30.0, 'packets'), Case(30.0, 0.001), Case(30.0, overload=(10.0, 20.0)),
+    Case(30.0, overload=(0.0, 12.0)), Case(30.0, restarts=(14.0,)), Case(30.0, loss=0.02),
+    Case(30.0, bad_counters=0.02, bad_times=0.05), Case(30.0, drift_ppm=-200.0),
+    Case(30.0, pause_before=16, pause=2.7),
+], ids=['16 ms', 'packets', '1 ms', 'overload', 'early overload', 'restart', 'loss',
+        'bad counters', 'drift', 'pause'])
+def test_better_than_live(case):
+    """From the first second to the last, in whatever case."""
+    survey = Survey()
+    live = simulated(case, 7, tracker=survey)
+    smooth = simulated(case, 7, tracker=survey.lines())
+    assert smooth.state.epochs == live.state.epochs
+    assert smooth.backward == 0 and smooth.future == 0
+    assert len(smooth.errors) >= len(live.errors) - 1
+    assert smooth.wander(0.0) <= max(live.wander(0.0), 10.0)
+    assert smooth.wander(0.0) < 40.0 or case.bad_times
+
+
+def test_the_path_changes():
+    """For good, by two milliseconds, either way: both levels are found, near the change, too."""
+    for first, second in ((0, 2_000_000), (2_000_000, 0)):
+        samples = [(i * SAMPLE, i * SAMPLE + 10 ** 12 + (first if i < 20_000 else second))
+                   for i in range(40_000)]
+        smooth = lines(samples)
+        for index in (0, 10_000, 19_000, 21_000, 39_999):
+            device, bound = samples[index]
+            assert abs(smooth.host_time(device) - bound) < 30_000
+
+
+def test_a_sample_from_the_future():
+    """One that is alone is not believed."""
+    samples = [(i * SAMPLE, i * SAMPLE + 10 ** 12 - 50_000_000 * (i == 5000))
+               for i in range(10_000)]
+    smooth = lines(samples)
+    assert max(abs(smooth.host_time(device) - device - 10 ** 12)
+               for device, _ in samples) < 30_000
+
+
+def test_few_samples():
+    """One is enough for a line."""
+    smooth = lines([(0, 1000)])
+    assert smooth.started and smooth.host_time(S) == S + 1000
+
+
+def test_a_clock_with_another_tracker_is_new():
+    """And takes the same options."""
+    clock = SampleClock().with_tracker(Tracker())
+    assert clock.state().epochs == 0
+
+
+@pytest.mark.parametrize('late_us', [100, 250, 500, 3000])
+def test_a_late_beginning_leads_nobody_astray(late_us):
+    """Nothing waits where everything is read in time, but the first samples often do."""
+    source = random.Random(late_us)
+    samples = [(index * 5_000_000, 10 ** 12 + round(
+        index * 5_000_000 * (1 - 30e-6) + source.uniform(0, 30_000)
+        + (late_us * 1000 if index < 90 else 0))) for index in range(4000)]
+    line = lines(samples)
+    for index in range(0, 4000, 100):
+        device = index * 5_000_000
+        error = line.host_time(device) - 10 ** 12 - device * (1 - 30e-6)
+        assert abs(error) < 25_000, index
+
+
+def test_a_short_epoch_of_late_samples_is_left_again():
+    """
+    A host that is seconds behind may look like a device whose clock was set, twice.
+
+    The samples in between tell of a clock that runs wild, and what follows is none of theirs.
+    """
+    survey, truth = Survey(), 10 ** 12
+    epochs = [(0, 20_000, 0), (20_000, 21_000, 1_400_000_000), (21_000, 40_000, 700_000_000)]
+    samples = []
+    for begin, end, late in epochs:
+        survey.restart()
+        samples.append([])
+        for index in range(begin, end):
+            # The backlog shrinks within the second one and, at first, within the third.
+            left = max(0, late - (index - begin) * 160_000)
+            samples[-1].append((index * SAMPLE, index * SAMPLE + truth + left))
+            survey.feed(*samples[-1][-1])
+    smooth = survey.lines()
+    for epoch in samples:
+        smooth.restart()
+        smooth.feed(*epoch[0])
+    last = samples[-1][-1][0]
+    assert abs(smooth.host_time(last) - last - truth) < 30_000

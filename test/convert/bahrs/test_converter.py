@@ -1,0 +1,365 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of what device messages become in ROS."""
+
+from dataclasses import replace
+import math
+
+from bahrs_driver.convert.axes import CONVENTIONS
+from bahrs_driver.convert.bahrs.converter import BahrsConverter, TOPICS
+from bahrs_driver.convert.bahrs.integrity_policy import Appraisal
+from bahrs_driver.protocol.bahrs.messages import InertialTime, SoftwareVersion, SyncPulseTime
+from bahrs_driver.protocol.integrity import Integrity
+import pytest
+from support.device_examples import ACCURACY, BAHRS_OPTIONS as OPTIONS, INERTIAL, NAVIGATION
+
+SAFE, RISK = Integrity.SAFE, Integrity.INTEGRITY_RISK
+GONE, RESERVED = Integrity.UNAVAILABLE, Integrity.RESERVED
+
+STAMP = 1_700_000_000_123_456_789
+
+
+def published(*messages, **options):
+    """Return by topic what the last of the messages becomes."""
+    converter = BahrsConverter(replace(OPTIONS, **options))
+    for index, message in enumerate(messages):
+        outgoing = dict(converter.convert(message, STAMP + index))
+    return outgoing
+
+
+def with_health(message, **states):
+    """Return the message with signals, by name, in other states."""
+    health = tuple(states.get(name, state)
+                   for name, state in zip(message.SIGNALS, message.health))
+    return replace(message, health=health)
+
+
+def xyz(vector):
+    """Return a geometry_msgs vector as a tuple."""
+    return vector.x, vector.y, vector.z
+
+
+def yaw_degrees(quaternion):
+    """Return the yaw of a geometry_msgs quaternion."""
+    q = quaternion
+    return math.degrees(math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y ** 2 + q.z ** 2)))
+
+
+def test_every_message_is_of_its_topics_type():
+    """And all topics of the table are published when everything is available."""
+    converter, seen = BahrsConverter(OPTIONS), {}
+    for message in (ACCURACY, INERTIAL, NAVIGATION, InertialTime(0, 1, 600_000),
+                    SyncPulseTime(0, 601_000)):
+        seen.update(converter.convert(message, STAMP))
+    assert {topic: type(message) for topic, message in seen.items()} == TOPICS
+
+
+def test_time_reference():
+    """ROS time of a sample in the header, its device time beside it."""
+    message = published(InertialTime(0, 1, 2_581_377))['time_reference']
+    assert (message.header.stamp.sec, message.header.stamp.nanosec) == (
+        1_700_000_000, 123_456_789)
+    assert (message.time_ref.sec, message.time_ref.nanosec) == (2, 581_377_000)
+    assert message.source == 'bahrs'
+
+
+@pytest.mark.parametrize('message', [
+    InertialTime(0, 0, 0), InertialTime(0, 1, 2 ** 64 - 1), SyncPulseTime(0, 2 ** 31 * 10 ** 6)])
+def test_times_that_cannot_be_are_not_published(message):
+    """The device has none yet, or ROS time cannot hold it."""
+    assert published(message) == {}
+
+
+def test_raw_imu():
+    """Force and rate in FLU with their variances, and no orientation."""
+    imu = published(INERTIAL)['imu/data_raw']
+    assert imu.header.frame_id == 'imu_link'
+    assert (imu.header.stamp.sec, imu.header.stamp.nanosec) == (1_700_000_000, 123_456_789)
+    assert xyz(imu.linear_acceleration) == (0.1, -0.2, 9.7)
+    assert xyz(imu.angular_velocity) == (0.01, -0.02, -0.03)
+    assert imu.linear_acceleration_covariance[[0, 4, 8]] == pytest.approx([0.01] * 3)
+    assert imu.angular_velocity_covariance[[0, 4, 8]] == pytest.approx([0.04] * 3)
+    assert imu.orientation_covariance[0] == -1
+
+
+def test_imu_has_orientation_and_the_sample_of_the_same_device_time():
+    """With the stamp of that sample, not that of the navigation message."""
+    imu = published(ACCURACY, INERTIAL, NAVIGATION)['imu/data']
+    assert imu.header.stamp.nanosec == 123_456_790
+    assert xyz(imu.linear_acceleration) == (0.1, -0.2, 9.7)
+    assert yaw_degrees(imu.orientation) == pytest.approx(60)
+    assert imu.orientation_covariance == pytest.approx(
+        [4e-4, 0, 0, 0, 1e-4, 0, 0, 0, 9e-4])         # about east, north, up
+
+
+def test_ned_is_as_the_device_has_it():
+    """Axes, orientation, height, velocity and the order of the deviations."""
+    out = published(ACCURACY, INERTIAL, NAVIGATION, convention=CONVENTIONS['ned'])
+    assert xyz(out['imu/data'].linear_acceleration) == (0.1, 0.2, -9.7)
+    assert yaw_degrees(out['imu/data'].orientation) == pytest.approx(30)
+    assert out['imu/data'].orientation_covariance[[0, 4, 8]] == pytest.approx([1e-4, 4e-4, 9e-4])
+    assert out['altitude/pose'].pose.pose.position.z == -1500
+    assert out['velocity'].twist.twist.linear.z == -2
+
+
+def test_lost_sample_leaves_orientation_alone():
+    """No force and rate of another time are put in."""
+    late = replace(NAVIGATION, sequence=1)
+    imu = published(ACCURACY, INERTIAL, NAVIGATION, late)['imu/data']
+    assert imu.linear_acceleration_covariance[0] == -1
+    assert imu.angular_velocity_covariance[0] == -1
+    assert math.isnan(imu.linear_acceleration.x)
+    assert yaw_degrees(imu.orientation) == pytest.approx(60)
+    assert imu.header.stamp.nanosec == 123_456_792
+
+
+@pytest.mark.parametrize('state', [GONE, RESERVED])
+def test_lone_missing_axis_is_nan(state):
+    """The others stay."""
+    imu = published(with_health(INERTIAL, specific_force_y=state))['imu/data_raw']
+    x, y, z = xyz(imu.linear_acceleration)
+    assert (x, z) == (0.1, 9.7) and math.isnan(y)
+    assert imu.linear_acceleration_covariance[[0, 4, 8]] == pytest.approx([0.01, 1e6, 0.01])
+
+
+def test_missing_quantity_is_not_reported():
+    """-1 for the rate, the force stays."""
+    imu = published(replace(INERTIAL, health=(SAFE,) * 3 + (GONE,) * 3))['imu/data_raw']
+    assert imu.angular_velocity_covariance[0] == -1
+    assert all(map(math.isnan, xyz(imu.angular_velocity)))
+    assert imu.linear_acceleration_covariance[0] == pytest.approx(0.01)
+
+
+def test_imu_topics_go_on_when_nothing_is_available():
+    """All of it is NaN and not reported; neither height nor velocity is made up."""
+    nothing = replace(INERTIAL, health=(GONE,) * 6)
+    raw = published(nothing)
+    assert set(raw) == {'integrity', 'imu/data_raw'}
+    out = published(nothing, replace(NAVIGATION, health=(GONE,) * 5))
+    assert set(out) == {'heading', 'integrity', 'imu/data'} and math.isnan(out['heading'].data)
+    for imu in (raw['imu/data_raw'], out['imu/data']):
+        assert all(map(math.isnan, (*xyz(imu.linear_acceleration), *xyz(imu.angular_velocity))))
+        assert [matrix[0] for matrix in (
+            imu.orientation_covariance, imu.linear_acceleration_covariance,
+            imu.angular_velocity_covariance)] == [-1, -1, -1]
+
+
+@pytest.mark.parametrize('policy, factor', [('inflate', 100), ('pass', 1)])
+def test_integrity_risk_is_still_a_value(policy, factor):
+    """With a larger variance, or as it is; other signals are as they were."""
+    appraisal = Appraisal(policy, 100.0)
+    risky = with_health(NAVIGATION, velocity_down=RISK, roll=RISK, magnetic_heading=RISK)
+    out = published(ACCURACY, with_health(INERTIAL, specific_force_y=RISK), risky,
+                    appraisal=appraisal)
+    imu, base = out['imu/data'], published(ACCURACY, INERTIAL, NAVIGATION)
+    assert imu.linear_acceleration_covariance[[0, 4, 8]] == pytest.approx(
+        [0.01, 0.01 * factor, 0.01])
+    assert imu.orientation_covariance == pytest.approx(
+        base['imu/data'].orientation_covariance * factor)
+    assert out['velocity'].twist.covariance[14] == pytest.approx(0.25 * factor)
+    assert out['altitude/pose'].pose.covariance[14] == 4
+    assert out['heading'].data == pytest.approx(30)
+
+
+@pytest.mark.parametrize('signal', ['roll', 'pitch', 'magnetic_heading'])
+def test_what_is_derived_is_worth_no_more_than_what_it_is_derived_from(signal):
+    """The field across the heading has the risk of each of the three angles."""
+    safe = published(ACCURACY, INERTIAL, replace(NAVIGATION, roll=0.0, pitch=0.0))['imu/mag']
+    risky = published(ACCURACY, INERTIAL, with_health(
+        replace(NAVIGATION, roll=0.0, pitch=0.0), **{signal: RISK}))['imu/mag']
+    across = [-math.sin(math.radians(30)), math.cos(math.radians(30))]
+
+    def variance(field):
+        matrix = field.magnetic_field_covariance.reshape(3, 3)[:2, :2]
+        return 1e12 * (across @ matrix @ across)        # in microtesla squared
+
+    assert variance(risky) == pytest.approx(100 * variance(safe))
+
+
+def test_integrity_risk_may_be_withheld():
+    """It is then treated as unavailable."""
+    appraisal = Appraisal('withhold', 100.0)
+    risky = with_health(NAVIGATION, velocity_down=RISK, roll=RISK, magnetic_heading=RISK)
+    out = published(ACCURACY, with_health(INERTIAL, specific_force_y=RISK), risky,
+                    appraisal=appraisal)
+    assert 'velocity' not in out and 'imu/mag' not in out
+    assert out['imu/data'].orientation_covariance[0] == -1
+    assert math.isnan(out['imu/data'].linear_acceleration.y)
+    assert math.isnan(out['heading'].data)
+
+
+def test_risk_without_accuracy_is_not_hidden_behind_unknown():
+    """All zeros are for what is safe and of unknown accuracy."""
+    imu = published(INERTIAL, with_health(NAVIGATION, roll=RISK))['imu/data']
+    assert imu.orientation_covariance[[0, 4, 8]] == pytest.approx([1e6, 1e6, 1e6])
+
+
+def states(notice):
+    """Return what a notice says, by signal."""
+    return {status.name: (status.level, status.message) for status in notice.status}
+
+
+def test_integrity_is_told_when_it_changes_under_the_stamp_of_the_sample():
+    """And not otherwise; every notice has all signals."""
+    converter = BahrsConverter(OPTIONS)
+    first = dict(converter.convert(INERTIAL, 1000))['integrity']
+    assert states(first)['specific_force_x'] == (b'\x00', 'safe')
+    assert states(first)['roll'] == (b'\x03', 'not_heard')
+    assert 'integrity' not in dict(converter.convert(INERTIAL, 2000))
+    change = with_health(INERTIAL, angular_rate_z=RISK)
+    out = dict(converter.convert(change, 3000))
+    assert states(out['integrity'])['angular_rate_z'] == (b'\x01', 'integrity_risk')
+    assert out['integrity'].header == out['imu/data_raw'].header
+    out = dict(converter.convert(with_health(NAVIGATION, roll=GONE, pitch=RESERVED), 3500))
+    assert states(out['integrity'])['roll'] == (b'\x02', 'unavailable')
+    assert states(out['integrity'])['pitch'] == (b'\x02', 'reserved')
+    assert states(out['integrity'])['angular_rate_z'] == (b'\x01', 'integrity_risk')
+    assert out['integrity'].header.stamp == out['velocity'].header.stamp
+    assert out['velocity'].header.stamp.nanosec == 3000
+    assert len(states(out['integrity'])) == 11
+
+
+def test_a_lost_stream_is_told():
+    """Nothing is known any more, and the first sample of the next stream is a change again."""
+    converter = BahrsConverter(OPTIONS)
+    list(converter.convert(INERTIAL, 1000))
+    notice = dict(converter.lost(5000))['integrity']
+    assert set(states(notice).values()) == {(b'\x03', 'not_heard')}
+    assert 'integrity' in dict(converter.convert(INERTIAL, 6000))
+
+
+@pytest.mark.parametrize('signal, topics', [
+    ('pressure_height', {'static_pressure', 'pressure_altitude', 'altitude/pose'}),
+    ('velocity_down', {'velocity'}),
+    ('roll', {'imu/mag'}),
+    ('pitch', {'imu/mag'}),
+    ('magnetic_heading', {'imu/mag'}),
+])
+def test_unavailable_signal_takes_its_topics_away(signal, topics):
+    """And no others."""
+    everything = set(published(INERTIAL, NAVIGATION))
+    out = published(INERTIAL, with_health(NAVIGATION, **{signal: GONE}))
+    assert everything - set(out) == topics
+
+
+@pytest.mark.parametrize('signal', ['roll', 'pitch'])
+def test_without_roll_or_pitch_there_is_no_orientation(signal):
+    """Force and rate are still published."""
+    imu = published(ACCURACY, INERTIAL, with_health(NAVIGATION, **{signal: GONE}))['imu/data']
+    assert imu.orientation_covariance[0] == -1
+    assert xyz(imu.linear_acceleration) == (0.1, -0.2, 9.7)
+    assert imu.orientation.w == 1
+
+
+def test_without_heading_roll_and_pitch_are_still_usable():
+    """The yaw is that of heading north, and its variance says that it is not known."""
+    imu = published(ACCURACY, INERTIAL, with_health(NAVIGATION, magnetic_heading=GONE))['imu/data']
+    q = imu.orientation
+    roll = math.atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x ** 2 + q.y ** 2))
+    pitch = math.asin(2 * (q.w * q.y - q.z * q.x))
+    assert math.degrees(roll) == pytest.approx(10)
+    assert math.degrees(pitch) == pytest.approx(-20)
+    assert yaw_degrees(q) == pytest.approx(90)
+    # Which way north is nobody knows: the larger of the two tilts counts for both.
+    assert imu.orientation_covariance[[0, 4, 8]] == pytest.approx([4e-4, 4e-4, 1e6])
+
+
+def test_orientation_without_accuracy_has_an_unknown_covariance():
+    """All zeros, until the first accuracy message."""
+    imu = published(INERTIAL, NAVIGATION)['imu/data']
+    assert list(imu.orientation_covariance) == [0] * 9
+
+
+def test_accuracy_does_not_outlive_its_messages():
+    """A second after the last it says nothing any more."""
+    converter = BahrsConverter(OPTIONS)
+    list(converter.convert(ACCURACY, STAMP))
+    for _ in range(100):
+        out = dict(converter.convert(NAVIGATION, STAMP))
+    assert out['imu/data'].orientation_covariance[0] > 0
+    out = dict(converter.convert(NAVIGATION, STAMP))
+    assert list(out['imu/data'].orientation_covariance) == [0] * 9
+
+
+def test_another_stream_begins_afresh():
+    """Neither accuracy nor sample of the old stream go with the new."""
+    converter = BahrsConverter(OPTIONS)
+    for message in (ACCURACY, INERTIAL):
+        list(converter.convert(message, STAMP))
+    converter.lost(STAMP)
+    imu = dict(converter.convert(NAVIGATION, STAMP))['imu/data']
+    assert list(imu.orientation_covariance) == [0] * 9
+    assert imu.linear_acceleration_covariance[0] == -1
+
+
+def test_declination_turns_the_orientation_but_not_the_heading():
+    """East is positive: true heading is 33 degrees, 57 in ENU."""
+    out = published(INERTIAL, NAVIGATION, declination=math.radians(3))
+    assert yaw_degrees(out['imu/data'].orientation) == pytest.approx(57)
+    assert out['heading'].data == pytest.approx(30)
+
+
+@pytest.mark.parametrize('heading, expected', [(-0.5, 331.35), (6.2831851641, 0.0), (3.2, 183.35)])
+def test_heading_is_from_0_to_360(heading, expected):
+    """Also where the device counts from -pi to pi, as version 1 does."""
+    value = published(replace(NAVIGATION, magnetic_heading=heading))['heading'].data
+    assert 0 <= value < 360
+    assert math.remainder(value - expected, 360) == pytest.approx(0, abs=0.01)
+
+
+def test_heights():
+    """Pressure of the standard atmosphere, altitude without a fix, z in the world frame."""
+    out = published(INERTIAL, NAVIGATION)
+    pressure, fix, pose = (out[topic] for topic in
+                           ('static_pressure', 'pressure_altitude', 'altitude/pose'))
+    assert pressure.fluid_pressure == pytest.approx(84556.0, abs=0.5)
+    assert math.sqrt(pressure.variance) == pytest.approx(2 * 10.377, rel=1e-3)
+    assert fix.altitude == 1500 and math.isnan(fix.latitude) and math.isnan(fix.longitude)
+    assert fix.status.status == -1
+    assert fix.position_covariance[8] == 4 and fix.position_covariance_type == 2
+    assert pose.header.frame_id == 'map'
+    assert pose.pose.pose.position.z == 1500 and pose.pose.covariance[14] == 4
+
+
+def test_velocity_is_upward():
+    """Two metres a second of climb."""
+    twist = published(NAVIGATION)['velocity']
+    assert twist.header.frame_id == 'map'
+    assert twist.twist.twist.linear.z == 2 and twist.twist.covariance[14] == 0.25
+
+
+def test_derived_field_can_be_turned_off():
+    """By its parameter."""
+    assert 'imu/mag' in published(NAVIGATION)
+    assert 'imu/mag' not in published(NAVIGATION, publish_field=False)
+
+
+def test_other_messages_become_nothing():
+    """They belong to other rooms."""
+    assert published(SoftwareVersion('OSS', 1, 2)) == {}
+
+
+def stamp_of(message):
+    """Return the stamp of a message in ns."""
+    return message.header.stamp.sec * 10 ** 9 + message.header.stamp.nanosec
+
+
+def test_a_navigation_message_that_comes_twice_has_increasing_stamps():
+    """The second one has the stamp that the clock gave it, and the same values."""
+    converter = BahrsConverter(OPTIONS)
+    list(converter.convert(INERTIAL, STAMP))
+    first = dict(converter.convert(NAVIGATION, STAMP))
+    second = dict(converter.convert(NAVIGATION, STAMP + 1))
+    for topic, message in first.items():
+        if topic not in ('integrity', 'heading'):
+            assert stamp_of(message) == STAMP and stamp_of(second[topic]) == STAMP + 1
+    assert second['imu/data'].angular_velocity == first['imu/data'].angular_velocity
+
+
+def test_an_inertial_sample_from_before_a_gap_is_not_that_of_a_message_after_it():
+    """Though its counter would fit, a turn later."""
+    converter = BahrsConverter(OPTIONS)
+    list(converter.convert(INERTIAL, STAMP))
+    outgoing = dict(converter.convert(NAVIGATION, STAMP + 1_280_000_000))
+    assert stamp_of(outgoing['imu/data']) == STAMP + 1_280_000_000
+    assert math.isnan(outgoing['imu/data'].angular_velocity.x)

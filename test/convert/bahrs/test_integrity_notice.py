@@ -1,0 +1,79 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the notices on the topic `integrity`: when they come, and under which stamps."""
+
+from itertools import pairwise
+
+from bahrs_driver.convert.bahrs.integrity_notice import IntegrityNotice, SET_BACK
+from bahrs_driver.protocol.integrity import Integrity
+from hypothesis import given, strategies as st
+
+SECOND = 1_000_000_000
+SAFE, RISK = Integrity.SAFE, Integrity.INTEGRITY_RISK
+START = 1_700_000_000 * SECOND
+
+
+def stamp(notice):
+    """Return the stamp of a notice in ns."""
+    return notice.header.stamp.sec * SECOND + notice.header.stamp.nanosec
+
+
+def states(notice):
+    """Return what a notice says of each signal."""
+    return [status.message for status in notice.status]
+
+
+def test_a_change_has_the_stamp_of_its_sample():
+    """And what is no change gives no notice."""
+    notices = IntegrityNotice(['roll', 'pitch'])
+    first = notices.update(('roll', 'pitch'), (SAFE, SAFE), START, 'imu')
+    assert (stamp(first), states(first)) == (START, ['safe', 'safe'])
+    assert notices.update(('roll', 'pitch'), (SAFE, SAFE), START + 10, 'imu') is None
+    change = notices.update(('roll', 'pitch'), (SAFE, RISK), START + 20, 'imu')
+    assert (stamp(change), states(change)) == (START + 20, ['safe', 'integrity_risk'])
+
+
+def test_a_stream_that_ends_is_unknown_from_its_last_sample_on():
+    """However late that is noticed: a sample that comes after it is later."""
+    notices = IntegrityNotice(['roll'])
+    notices.update(('roll',), (SAFE,), START, 'imu')
+    notices.update(('roll',), (SAFE,), START + 50, 'imu')
+    end = notices.forget(START + 2 * SECOND, 'imu')
+    assert (stamp(end), states(end)) == (START + 51, ['not_heard'])
+    assert notices.forget(START + 3 * SECOND, 'imu') is None
+    assert stamp(notices.update(('roll',), (SAFE,), START + 60, 'imu')) == START + 60
+
+
+def test_the_first_notice_may_be_that_nothing_is_known():
+    """A late joiner learns that the device has not been heard; it is said once."""
+    notices = IntegrityNotice(['roll'])
+    assert stamp(notices.forget(START, 'imu')) == START
+    assert notices.forget(START + 5, 'imu') is None
+    # What the system held back before the port was open.
+    assert stamp(notices.update(('roll',), (SAFE,), START - SECOND // 2, 'imu')) == START
+
+
+def test_a_clock_that_was_set_back_is_followed():
+    """Or else the notices would be in the future for an hour."""
+    notices = IntegrityNotice(['roll'])
+    notices.update(('roll',), (SAFE,), START, 'imu')
+    back = START - 3600 * SECOND
+    assert stamp(notices.update(('roll',), (RISK,), back, 'imu')) == back
+
+
+@given(st.lists(st.tuples(
+    st.sampled_from(['force', 'attitude', 'forget']), st.sampled_from(Integrity),
+    st.integers(-SET_BACK // 4, SECOND))))
+def test_stamps_never_decrease(events):
+    """Whatever comes: samples out of order by up to a quarter of a second, pauses, lost links."""
+    notices, now, published = IntegrityNotice(['force', 'attitude']), START, []
+    for kind, state, step in events:
+        now = max(now + step, START - SET_BACK // 4)
+        if kind == 'forget':
+            notice = notices.forget(now, 'imu')
+        else:
+            notice = notices.update((kind,), (state,), now, 'imu')
+        if notice:
+            published.append(notice)
+    assert all(stamp(a) <= stamp(b) for a, b in pairwise(published))
+    assert all(states(a) != states(b) for a, b in pairwise(published))

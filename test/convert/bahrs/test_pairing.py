@@ -1,0 +1,70 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of which inertial sample goes with which navigation message."""
+
+import random
+
+from bahrs_driver.convert.bahrs.pairing import Pairing
+
+
+def stream(count, first_inertial=0, first_navigation=0):
+    """Yield what a device sends: ('i', counter, index) and ('n', counter, index of its sample)."""
+    for index in range(count):
+        yield 'i', (first_inertial + index) % 256, index
+        if index % 2 == 0:
+            yield 'n', (first_navigation + index // 2) % 256, index
+
+
+def pairs(messages):
+    """Return (index wanted, index found) of every navigation message."""
+    pairing, found = Pairing(), []
+    for kind, counter, index in messages:
+        if kind == 'i':
+            pairing.inertial(counter, index)
+        else:
+            found.append((index, pairing.navigation(counter)))
+    return found
+
+
+def test_every_navigation_message_gets_its_sample():
+    """Through many turns of both counters."""
+    found = pairs(stream(2000))
+    assert len(found) == 1000
+    assert all(got == wanted for wanted, got in found)
+
+
+def test_counters_may_have_any_distance():
+    """A driver that starts late meets them anywhere."""
+    found = pairs(stream(600, 77, 200))
+    assert len(found) == 300 and all(got == wanted for wanted, got in found)
+
+
+def test_a_lost_sample_is_not_replaced_by_its_neighbour():
+    """Its navigation message stays alone, the next has its own again."""
+    messages = [m for m in stream(100) if m[:2] != ('i', 40)]
+    found = dict(pairs(messages))
+    assert found[40] is None
+    assert found[38] == 38 and found[42] == 42
+
+
+def test_losses_of_either_kind_never_give_a_wrong_sample():
+    """One message in ten is lost, at random; one pair in five must remain at the least."""
+    chance = random.Random(4)
+    messages = [m for m in stream(20000) if chance.random() > 0.1]
+    found = pairs(messages)
+    right = sum(got == wanted for wanted, got in found)
+    wrong = sum(got is not None and got != wanted for wanted, got in found)
+    assert right > 0.85 * len(found)
+    assert wrong == 0
+
+
+def test_a_restarted_device_is_believed_after_a_few_agreeing_pairs():
+    """The counters begin again at other values."""
+    found = pairs([*stream(100), *stream(100, 13, 200)])[50:]
+    assert [got for _, got in found[:4]] == [None] * 4
+    assert all(got == wanted for wanted, got in found[4:])
+
+
+def test_nothing_before_the_first_sample():
+    """A navigation message may be the first to come."""
+    assert Pairing().navigation(7) is None

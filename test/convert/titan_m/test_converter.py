@@ -1,0 +1,254 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of what the answers of a Titan-M become, with literal values."""
+
+from dataclasses import replace
+import math
+
+from bahrs_driver.convert.axes import CONVENTIONS
+from bahrs_driver.convert.titan_m.converter import ABSENT_NS, TitanConverter, TOGETHER_NS, TOPICS
+from bahrs_driver.protocol.titan_m.byte_order import PayloadReader
+from bahrs_driver.protocol.titan_m.frames import Answer
+from bahrs_driver.protocol.titan_m.messages import Gps, LAYOUTS, Sensors, State
+import pytest
+from sensor_msgs.msg import NavSatFix, NavSatStatus
+from support.device_examples import DEVIATIONS, GPS, SENSORS, STATE, TITAN_OPTIONS
+
+STAMP, MS = 1_700_000_000_123_456_789, 1_000_000
+NAN = math.nan
+
+
+def converter(convention='enu', order='little', **options):
+    """Return a converter with literal options."""
+    return TitanConverter(
+        replace(TITAN_OPTIONS, convention=CONVENTIONS[convention], **options),
+        PayloadReader(order))
+
+
+def told(parts, message, stamp=STAMP, order='little', wanted=True):
+    """Return what an answer becomes, by topic."""
+    payload = LAYOUTS[type(message), order].encode(message)
+    out = list(parts.convert(Answer(type(message), 0, payload, wanted=wanted), stamp))
+    assert all(isinstance(ros, TOPICS[topic]) for topic, ros in out)
+    return dict(out)
+
+
+def xyz(vector):
+    """Return a vector as a tuple."""
+    return vector.x, vector.y, vector.z
+
+
+def test_sensors_in_ros_axes():
+    """Forward, left, up; the calibrated ones are kept for imu/data."""
+    out = told(converter(), SENSORS)
+    assert set(out) == {'imu/data_raw', 'imu/mag', 'static_pressure', 'differential_pressure',
+                        'temperature'}
+    raw = out['imu/data_raw']
+    assert raw.header.frame_id == 'imu' and raw.header.stamp.nanosec == 123_456_789
+    assert xyz(raw.linear_acceleration) == pytest.approx((1.0, -2.0, 9.8), abs=0.013)
+    assert xyz(raw.angular_velocity) == pytest.approx(
+        tuple(math.radians(x) for x in (10.0, -20.0, -30.0)), abs=7e-4)
+    assert raw.orientation_covariance[0] == -1
+    # Rounding to counts of 2.522 mG and 0.07326 degree/s is part of it.
+    assert raw.linear_acceleration_covariance[4] == pytest.approx(0.01 + 0.024732 ** 2 / 12, 1e-4)
+    assert raw.angular_velocity_covariance[8] == pytest.approx(
+        1e-4 + math.radians(0.07326) ** 2 / 12, 1e-4)
+    assert xyz(out['imu/mag'].magnetic_field) == pytest.approx((2e-5, -1e-5, -4e-5), abs=4e-9)
+    assert out['imu/mag'].magnetic_field_covariance[0] == pytest.approx(1e-12)
+    assert out['static_pressure'].fluid_pressure == 95_000.0
+    assert out['static_pressure'].variance == 100.0
+    assert out['differential_pressure'].fluid_pressure == 125.0
+    assert (out['temperature'].temperature, out['temperature'].variance) == (31.5, 0.25)
+
+
+def test_state_in_ros_axes():
+    """East, north, up; nose to the east is yaw 0; what moves with the body in its axes."""
+    out = told(converter(), STATE)
+    assert set(out) == {'imu/data', 'velocity', 'odometry', 'heading'}
+    assert out['heading'].data == pytest.approx(90.0)
+    assert out['velocity'].header.frame_id == 'map'
+    assert xyz(out['velocity'].twist.twist.linear) == (4.0, 3.0, 1.0)
+    assert out['velocity'].twist.covariance[0] == pytest.approx(0.04)
+    assert out['velocity'].twist.covariance[21] == 1e6
+    orientation = out['imu/data'].orientation
+    assert (orientation.w, *xyz(orientation)) == pytest.approx((1.0, 0.0, 0.0, 0.0), abs=1e-7)
+    assert out['imu/data'].orientation_covariance[0] == pytest.approx(4e-4)
+    assert out['imu/data'].orientation_covariance[8] == pytest.approx(25e-4)
+    # No sensor answer: neither is reported.
+    assert out['imu/data'].linear_acceleration_covariance[0] == -1
+    assert out['imu/data'].angular_velocity_covariance[0] == -1
+    odometry = out['odometry']
+    assert (odometry.header.frame_id, odometry.child_frame_id) == ('map', 'imu')
+    assert xyz(odometry.pose.pose.position) == (200.0, 100.0, 50.0)
+    assert xyz(odometry.twist.twist.linear) == pytest.approx((4.0, 3.0, 1.0), abs=1e-6)
+    assert xyz(odometry.twist.twist.angular) == pytest.approx((0.1, -0.2, -0.3), abs=1e-7)
+    assert odometry.pose.covariance[14] == 16.0 and odometry.pose.covariance[35] \
+        == pytest.approx(25e-4)
+
+
+def test_ned_is_as_the_device_has_it():
+    """North, east, down; forward, right, down."""
+    parts = converter('ned')
+    assert xyz(told(parts, SENSORS)['imu/mag'].magnetic_field)[2] > 0
+    out = told(parts, STATE)
+    assert xyz(out['imu/data'].linear_acceleration) == (0.5, 0.25, -9.75)
+    assert xyz(out['odometry'].pose.pose.position) == (100.0, 200.0, -50.0)
+    assert xyz(out['odometry'].twist.twist.linear) == pytest.approx((4.0, -3.0, -1.0), abs=1e-6)
+
+
+@pytest.mark.parametrize('later, joined', [(6 * MS, True), (TOGETHER_NS + MS, False)])
+def test_force_and_rate_are_those_of_the_sensor_answer_just_before(later, joined):
+    """Of one that is older nothing is said."""
+    parts = converter()
+    told(parts, SENSORS)
+    imu = told(parts, STATE, STAMP + later)['imu/data']
+    assert imu.header.stamp.nanosec == 123_456_789 + later
+    if joined:
+        assert xyz(imu.linear_acceleration) == (0.5, -0.25, 9.75)
+        assert xyz(imu.angular_velocity) == (0.125, 0.25, -0.5)
+        assert imu.linear_acceleration_covariance[0] == pytest.approx(0.01)
+    else:
+        assert imu.linear_acceleration_covariance[0] == imu.angular_velocity_covariance[0] == -1
+
+
+def test_fix():
+    """On the central meridian of zone 32, with assumed deviations."""
+    out = told(converter(), GPS)
+    fix = out['fix']
+    assert fix.longitude == pytest.approx(9.0) and fix.latitude == pytest.approx(45.15, abs=0.05)
+    assert fix.altitude == 600.0 and fix.status.status == NavSatStatus.STATUS_FIX
+    assert list(fix.position_covariance[::4]) == [4.0, 4.0, 16.0]
+    assert fix.position_covariance_type == NavSatFix.COVARIANCE_TYPE_APPROXIMATED
+    assert out['time_reference'].source == 'gps'
+    assert out['time_reference'].time_ref.nanosec == 500_000_000
+    assert 'velocity' not in out                # that of the state is better
+    assert told(converter(geoid_height=47.5), GPS)['fix'].altitude == 647.5
+
+
+@pytest.mark.parametrize('zone', [0, 61, 255])
+def test_an_invalid_zone_is_no_fix(zone):
+    """With no position that anybody could take for one."""
+    parts = converter(asked={Gps, Sensors})
+    out = told(parts, replace(GPS, zone=zone))
+    assert set(out) == {'fix', 'time_reference'}
+    assert out['fix'].status.status == NavSatStatus.STATUS_NO_FIX
+    assert math.isnan(out['fix'].latitude) and math.isnan(out['fix'].altitude)
+    assert out['fix'].position_covariance_type == NavSatFix.COVARIANCE_TYPE_UNKNOWN
+    assert parts.gps_text == 'no fix'
+    told(parts, replace(GPS, northern=False))
+    assert parts.gps_text == 'fix in zone 32 south'
+
+
+def test_velocity_of_the_gps_where_the_state_is_not_asked_for():
+    """Centimetres a second are enough then."""
+    out = told(converter(asked={Gps, Sensors}), GPS)
+    assert xyz(out['velocity'].twist.twist.linear) == (2.0, 1.0, -3.0)
+
+
+def test_odometry_begins_with_the_first_fix():
+    """Before, the position is relative to nothing; without GPS nobody can tell."""
+    parts = converter(asked={State, Gps})
+    assert 'odometry' not in told(parts, STATE)
+    told(parts, replace(GPS, zone=0))
+    assert 'odometry' not in told(parts, STATE)
+    told(parts, GPS)
+    assert 'odometry' in told(parts, STATE)
+    parts.lost(STAMP)
+    assert 'odometry' not in told(parts, STATE)
+
+
+def test_where_others_ask_what_comes_tells_what_to_make_of_it():
+    """A flight whose GPS, or whose state, was not asked for is converted as it was published."""
+    late = STAMP + ABSENT_NS
+    parts = converter(asked=None)
+    assert 'velocity' not in told(parts, GPS)               # a state may yet come
+    assert 'velocity' in told(parts, GPS, late)
+    assert 'odometry' in told(parts, STATE, late)
+    assert 'velocity' not in told(parts, GPS, late + MS)    # it has come
+    parts.lost(late)
+    assert 'odometry' not in told(parts, STATE)             # nor is there a fix yet
+    assert 'odometry' in told(parts, STATE, late)
+    told(parts, replace(GPS, zone=0), late)
+    assert 'odometry' not in told(parts, STATE, late + MS)
+
+
+def test_what_is_unknown_in_odometry_is_not_taken_for_certain():
+    """A deviation of 0, and a rate that is no number, have a variance that nobody trusts."""
+    unknown = converter(deviations=replace(DEVIATIONS, attitude=0.0, heading=0.0))
+    odometry = told(unknown, replace(STATE, angular_rate=(0.1, NAN, 0.3)))['odometry']
+    assert [odometry.pose.covariance[i] for i in (0, 14, 21, 28, 35)] == [4.0, 16.0, *[1e6] * 3]
+    assert [odometry.twist.covariance[i] for i in (21, 28, 35)] == [1e6] * 3
+    assert odometry.twist.covariance[0] == pytest.approx(0.04)
+
+
+def test_gps_time_that_is_unknown_is_not_told():
+    """Zero without a fix."""
+    assert set(told(converter(), replace(GPS, gps_time_s=0.0, zone=0))) == {'fix'}
+
+
+@pytest.mark.parametrize('stamp, options, week', [
+    (STAMP, {}, 2288), (STAMP, {'gps_week': 2287}, 2288), (5 * 10 ** 9, {'gps_week': 2300}, 2300)])
+def test_utc_in_a_known_week(stamp, options, week):
+    """By the clock of the host, or by the parameter if that was never set."""
+    parts = converter(**options)
+    reference = told(parts, GPS, stamp)['time_reference']
+    assert reference.time_ref.sec == 315_964_800 + week * 604_800 + 1000 - 18
+    assert bool(parts.week_problem) == (options.get('gps_week') == 2287)
+
+
+def test_a_time_of_week_alone_is_not_published():
+    """It would be a time in January 1970."""
+    parts = converter()
+    assert set(told(parts, GPS, 5 * 10 ** 9)) == {'fix'}
+    assert parts.week_problem and len(parts.take_notices()) == 1
+
+
+def test_the_week_stays_when_the_gps_time_is_lost():
+    """The time is 0 without a fix; that is not the end of a week."""
+    parts = converter(gps_week=2300)
+    before, unknown, after = (
+        told(parts, replace(GPS, gps_time_s=time)) for time in (500_000.0, 0.0, 500_010.0))
+    assert 'time_reference' not in unknown
+    assert after['time_reference'].time_ref.sec == before['time_reference'].time_ref.sec + 10
+
+
+def test_what_is_no_number_is_not_reported():
+    """Neither an attitude, nor a velocity, nor a force."""
+    parts = converter()
+    told(parts, replace(SENSORS, acceleration=(NAN, 0.0, 0.0)))
+    out = told(parts, replace(STATE, attitude=(NAN, 0.0, 0.0), velocity_ned=(0.0, NAN, 0.0)))
+    assert set(out) == {'imu/data', 'heading'}
+    assert math.isnan(out['heading'].data)
+    assert out['imu/data'].orientation_covariance[0] == -1
+    assert out['imu/data'].linear_acceleration_covariance[0] == -1
+    assert out['imu/data'].angular_velocity_covariance[0] == pytest.approx(1e-4)
+    assert set(told(parts, replace(SENSORS, magnetic_field_tesla=(0.0,) * 3,
+                                   absolute_pressure=0.0))) == {
+        'imu/data_raw', 'differential_pressure', 'temperature'}
+
+
+def test_declination_turns_yaw_and_not_the_heading():
+    """Ten degrees east."""
+    out = told(converter(declination=math.radians(10.0)), STATE)
+    assert out['heading'].data == pytest.approx(90.0)
+    yaw = 2 * math.atan2(out['imu/data'].orientation.z, out['imu/data'].orientation.w)
+    assert math.degrees(yaw) == pytest.approx(-10.0, abs=1e-5)
+
+
+def test_answers_wait_for_their_byte_order():
+    """And come under the stamps that they had."""
+    parts = converter(order='auto')
+    nothing = State(*[(0.0,) * 3] * 4)
+    assert told(parts, nothing, STAMP, 'big') == {}
+    payload = LAYOUTS[State, 'big'].encode(STATE)
+    out = [(topic, message.header.stamp.nanosec)
+           for topic, message in parts.convert(Answer(State, 0, payload), STAMP + 7)
+           if topic == 'velocity']
+    assert out == [('velocity', 123_456_789), ('velocity', 123_456_796)]
+
+
+def test_what_nobody_waits_for_is_not_published():
+    """Nor kept."""
+    parts = converter()
+    assert told(parts, SENSORS, wanted=False) == {}
+    assert told(parts, STATE)['imu/data'].linear_acceleration_covariance[0] == -1

@@ -1,0 +1,82 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the NVM services without a device: every request is answered."""
+
+import json
+
+from bahrs_driver.errors import NvmError
+from bahrs_driver.node.nvm_services import NvmServices
+from bahrs_driver.process.fault_log import FaultLog
+import pytest
+import rclpy
+from rclpy.context import Context
+from std_srvs.srv import Trigger
+
+PARAMETERS = {'nvm.page': 3, 'nvm.directory': '/proc/nowhere', 'nvm.dump_path': 'x',
+              'nvm.enter_timeout': 2.5, 'nvm.service_frames': 'mpeg2'}
+
+
+class Reader:
+    """Reads pages from nowhere, or raises."""
+
+    def __init__(self):
+        """Have no error yet."""
+        self.error, self.asked = None, []
+
+    def read(self, pages, options, on_page):
+        """Return pages of zeros, handing over each."""
+        self.asked.append((list(pages), tuple(options)))
+        for page in pages:
+            on_page(page, bytes(32))
+        if self.error:
+            raise self.error
+        return {page: bytes(32) for page in pages}
+
+
+@pytest.fixture
+def ask():
+    """Give a function that calls a service, with a reader and a node beside it."""
+    context, callbacks, published = Context(), {}, []
+    rclpy.init(context=context)
+    node = rclpy.create_node('services', context=context)
+    for name, value in PARAMETERS.items():
+        node.declare_parameter(name, value)
+    node.create_service = lambda kind, name, callback, **_: callbacks.update({name: callback})
+    reader = Reader()
+    services = NvmServices(node, reader, FaultLog(str, str))
+    services._pages.publish = lambda message: published.append(message.layout.dim[0].label)
+
+    def call(name):
+        response = callbacks[f'~/nvm/{name}'](Trigger.Request(), Trigger.Response())
+        return response.success, json.loads(response.message)
+    call.reader, call.node, call.published = reader, node, published
+    yield call
+    node.destroy_node()
+    rclpy.shutdown(context=context)
+
+
+def test_parameters_of_each_call(ask):
+    """Whatever was set since the last one."""
+    assert ask('read_page') == (True, {'page': 3, 'data': '00' * 32})
+    ask.node.set_parameters([rclpy.Parameter('nvm.service_frames', value='auto'),
+                             rclpy.Parameter('nvm.page', value=4)])
+    assert ask('read_page')[0]
+    assert ask.reader.asked == [([3], (2.5, 'mpeg2')), ([4], (2.5, 'auto'))]
+    assert ask.published == ['page=3', 'page=4']
+
+
+@pytest.mark.parametrize('error', [
+    NvmError('the page never came'), ValueError('NVM pages are 0 to 249'), RuntimeError(),
+    OSError(28, 'No space left on device'), KeyError('page')])
+def test_every_request_is_answered(ask, tmp_path, error):
+    """Whatever is raised; pages before it were published."""
+    ask.reader.error = error
+    success, answer = ask('read_page')
+    assert not success and answer['error'] and ask.published == ['page=3']
+    success, answer = ask('dump')
+    assert not success and answer['error'].startswith('parameter nvm.directory: cannot make')
+    assert len(ask.reader.asked) == 1, 'the device was asked, though there is no file'
+    ask.node.set_parameters([rclpy.Parameter('nvm.directory', value=str(tmp_path))])
+    success, answer = ask('dump')
+    assert not success and str(error.args[-1] if error.args else 'RuntimeError') in answer['error']
+    assert not list(tmp_path.iterdir())

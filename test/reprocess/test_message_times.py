@@ -1,0 +1,120 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of device times of messages, against a stream of which every time is known."""
+
+from bahrs_driver.protocol.bahrs.messages import (
+    Accuracy, Inertial, InertialTime, Navigation, NavigationTime, SoftwareVersion,
+)
+from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.reprocess.message_times import MOST_HELD, with_times
+from hypothesis import given, strategies as st
+
+SAFE = (Integrity.SAFE,) * 6
+START = 2_000_000           # us
+
+
+def stream(samples, start=START, ahead=1, ppm=0, first=0):
+    """Return messages of a device with their true device times in us."""
+    found = []
+    for index in range(samples):
+        time = start + round(index * 5000 * (1 + ppm * 1e-6))
+        sequence, number = (first + index) % 256, index // 2
+        found.append((Inertial(sequence, (0.0,) * 3, (0.0,) * 3, SAFE), time))
+        if index % 20 == 0:
+            found.append((InertialTime(0, (sequence + ahead) % 256, time), time))
+        if index % 2 == 0:
+            found.append((Navigation(number % 256, 0.0, 0.0, 0.0, 0.0, 0.0, SAFE[:5]), time))
+        if index % 20 == 0:
+            found.append((Accuracy(0, 0.0, 0.0, 0.0, time), time))
+            found.append((NavigationTime(0, (number + ahead) % 256, time), time))
+    return found
+
+
+def times(found):
+    """Return what is made of a stream, message by message, with the truth."""
+    made = [*with_times((None, message) for message, _ in found)]
+    assert [message for _, message, _ in made] == [message for message, _ in found]
+    return [(time, true) for (*_, time), (_, true) in zip(made, found)]
+
+
+@given(ahead=st.integers(0, 1), ppm=st.integers(-200, 200), first=st.integers(0, 255),
+       begin=st.integers(0, 200), end=st.integers(0, 200))
+def test_every_message_of_a_good_stream(ahead, ppm, first, begin, end):
+    """Wherever it is cut: also before the first time message, and after the last."""
+    found = stream(600, START, ahead, ppm, first)
+    made = times(found[begin:len(found) - end])
+    assert all(abs(time - true) <= 10 for time, true in made)
+
+
+@given(lost=st.sets(st.integers(0, 1200), max_size=600), gap=st.integers(0, 420),
+       place=st.integers(0, 1200), again=st.integers(0, 10 ** 6))
+def test_what_was_lost_or_started_again_has_no_wrong_time(lost, gap, place, again):
+    """A message has its own time, or none."""
+    found = stream(700)
+    found = found[:place] + found[place + gap:] + [
+        (SoftwareVersion('OSS', 1, 2), None), *stream(300, again)]
+    found = [item for index, item in enumerate(found) if index not in lost]
+    made = times(found)
+    assert all(time is None or true is not None and abs(time - true) <= 10
+               for time, true in made)
+    # Most have one: a part between two time messages is a tenth of a second.
+    assert sum(time is not None for time, _ in made[-300:]) > 200
+
+
+def test_a_device_without_a_time():
+    """Its zeros are none, and what came by then has none."""
+    zero = {InertialTime: InertialTime(0, 0, 0), NavigationTime: NavigationTime(0, 0, 0)}
+    early = [(zero.get(type(message), message), None)
+             for message, _ in stream(81) if not isinstance(message, Accuracy)]
+    made = times([*early, *stream(100, first=81)])
+    assert [time for time, _ in made[:len(early)]] == [None] * len(early)
+    assert all(time == true for time, true in made[len(early):])
+
+
+def test_the_end_after_a_restart():
+    """Without another time message nothing tells how time goes on."""
+    rest = [(message, None) for message, _ in stream(15, 0, first=77)
+            if isinstance(message, (Inertial, Navigation))]
+    made = times([*stream(500), *rest])
+    assert [time for time, _ in made[-len(rest):]] == [None] * len(rest)
+    assert all(time == true for time, true in made[:-len(rest)])
+
+
+def test_one_wrong_time_message():
+    """It takes the times of its neighbours, and gives none a wrong one."""
+    found = stream(600)
+    place = next(index for index, (message, _) in enumerate(found)
+                 if index > 400 and isinstance(message, InertialTime))
+    message, true = found[place]
+    found[place] = InertialTime(0, message.reference_sequence, 10 ** 9), true
+    made = [item for index, item in enumerate(times(found)) if index != place]
+    assert all(time is None or time == true for time, true in made)
+    assert sum(time is None for time, _ in made) <= 40
+
+
+def test_a_stream_without_time_messages_is_held_to_a_limit():
+    """And goes on, without times."""
+    taken = 0
+
+    def source():
+        nonlocal taken
+        for message, _ in stream(3 * MOST_HELD):
+            if isinstance(message, (Inertial, Navigation)):
+                taken += 1
+                yield None, message
+
+    for index, (_, _, time) in enumerate(with_times(source())):
+        assert time is None and taken <= index + MOST_HELD + 1
+
+
+def test_messages_leave_within_a_tenth_of_a_second():
+    """So that a pipe shows what a device sends now."""
+    taken = 0
+
+    def source():
+        nonlocal taken
+        for message, _ in stream(1000):
+            taken += 1
+            yield None, message
+
+    assert max(taken - index for index, _ in enumerate(with_times(source()))) < 80

@@ -1,0 +1,90 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the parameter table, and that the files that set parameters fit it."""
+
+from pathlib import Path
+
+from bahrs_driver.errors import ParameterError
+from bahrs_driver.settings.parameter import Parameter
+from bahrs_driver.settings.table import BY_NAME, PARAMETERS
+import pytest
+import yaml
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.mark.parametrize('parameter', PARAMETERS, ids=lambda parameter: parameter.name)
+def test_every_row_is_complete(parameter):
+    """A description that is a sentence, a valid default, a descriptor that holds the limits."""
+    assert parameter.description.endswith('.')
+    parameter.convert(parameter.default)
+    descriptor = parameter.descriptor()
+    assert parameter.description in descriptor.description
+    assert descriptor.read_only == (parameter.name not in (
+        'nvm.page', 'nvm.dump_path', 'nvm.enter_timeout', 'nvm.service_frames'))
+    if isinstance(parameter.default, float):
+        assert descriptor.floating_point_range[0].to_value == parameter.high
+    for choice in parameter.choices:
+        assert choice in descriptor.additional_constraints
+
+
+def test_names_are_unique():
+    """No row twice."""
+    assert len(BY_NAME) == len(PARAMETERS)
+
+
+@pytest.mark.parametrize('name, value, sentence', [
+    ('baud_rate', 300, 'parameter baud_rate is 300: it must be a whole number from 1200 to '
+                       '4000000 baud'),
+    ('baud_rate', '115200', "parameter baud_rate is '115200': it must be a whole number from "
+                            '1200 to 4000000 baud'),
+    ('frame_convention', 'ENU', "parameter frame_convention is 'ENU': it must be 'enu' or 'ned'"),
+    ('frame_id', '', "parameter frame_id is '': it must be the name of a frame without blanks, "
+                     "such as 'imu_link'"),
+    ('world_frame_id', '//', "parameter world_frame_id is '//': it must be the name of a frame "
+                             "without blanks, such as 'map'"),
+    ('port', ' ', "parameter port is ' ': it must be a text such as '/dev/ttyUSB0'"),
+    ('stddev.velocity', 10 ** 400, 'parameter stddev.velocity is ' + '1' + '0' * 78 + '…: it must '
+                                   'be a decimal number from 0.0 to 100.0 m/s'),
+    ('port', None, "parameter port is []: it must be a text such as '/dev/ttyUSB0'"),
+    ('stddev.velocity', float('nan'), 'parameter stddev.velocity is nan: it must be a decimal '
+                                      'number from 0.0 to 100.0 m/s'),
+    ('publish.derived_magnetic_field', 1, 'parameter publish.derived_magnetic_field is 1: it '
+                                          'must be true or false'),
+])
+def test_a_bad_value_gives_one_sentence(name, value, sentence):
+    """It names the parameter, what it is, and what would be valid."""
+    with pytest.raises(ParameterError) as caught:
+        BY_NAME[name].convert(value)
+    assert str(caught.value) == sentence
+
+
+@pytest.mark.parametrize('value', ['nan', float('nan')])
+def test_a_choice_that_yaml_takes_for_a_number(value):
+    """Written as the documentation has it."""
+    assert BY_NAME['publish.incomplete'].convert(value) == 'nan'
+
+
+def test_true_is_not_a_number():
+    """Though Python takes it for one."""
+    with pytest.raises(ParameterError):
+        Parameter('n', 3, 'A number.', low=0, high=9).convert(True)
+
+
+def flat(tree, prefix=''):
+    """Yield the dotted names and values of nested dictionaries."""
+    for key, value in tree.items():
+        if isinstance(value, dict):
+            yield from flat(value, f'{prefix}{key}.')
+        else:
+            yield prefix + key, value
+
+
+@pytest.mark.parametrize('path', sorted((ROOT / 'config').glob('[bt]*.yaml')),
+                         ids=lambda path: path.name)
+def test_parameter_files_fit_the_table(path):
+    """Every name exists, every value is valid."""
+    content = yaml.safe_load(path.read_text())
+    for node in content.values():
+        for name, value in flat(node['ros__parameters']):
+            BY_NAME[name].convert(value)

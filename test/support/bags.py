@@ -1,0 +1,69 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Bags made for tests, in every form that rosbag2 writes."""
+
+from bahrs_driver.bag.capture import Chunk
+from bahrs_driver.bag.read_metadata import Origin
+from bahrs_driver.convert import raw
+from mcap.writer import CompressionType, Writer as McapWriter
+from rclpy.serialization import serialize_message
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+from rosbags.typesys import get_typestore, Stores
+from std_msgs.msg import Float64
+
+TYPE = 'std_msgs/msg/UInt8MultiArray'
+STORE = get_typestore(Stores.ROS2_JAZZY)
+ORIGINS = [Origin('bahrs', 1 + i // 6, 86805, 10 ** 18 + i, 5 * 10 ** 9 + i) for i in range(10)]
+PIECES = [bytes(range(i, i + 20)) for i in range(10)]
+CHUNKS = [Chunk(data, origin.ros_ns, origin.raw_ns, origin.opening)
+          for data, origin in zip(PIECES, ORIGINS)]
+
+
+def messages():
+    """Return serialised raw messages with their log times."""
+    return [(origin.ros_ns + 1000, serialize_message(raw.message(data, origin.label())))
+            for data, origin in zip(PIECES, ORIGINS)]
+
+
+def write_bag(path, plugin, topics=('/raw',), compression=CompressionMode.NONE, items=None):
+    """Write a bag with rosbags; other topics are in it, too."""
+    writer = Writer(path, version=9, storage_plugin=plugin)
+    writer.set_compression(compression, CompressionFormat.ZSTD)
+    with writer:
+        number = writer.add_connection('/heading', 'std_msgs/msg/Float64', typestore=STORE)
+        connections = [writer.add_connection(topic, TYPE, typestore=STORE) for topic in topics]
+        for time, data in messages() if items is None else items:
+            writer.write(number, time, serialize_message(Float64(data=1.0)))
+            for connection in connections:
+                writer.write(connection, time, data)
+    return path
+
+
+def write_mcap(path, compression=CompressionType.ZSTD, chunk_size=100, items=None):
+    """Write an MCAP file in small chunks, and return its size without its end."""
+    with path.open('wb') as file:
+        writer = McapWriter(file, chunk_size, compression)
+        writer.start('ros2')
+        text = STORE.generate_msgdef(TYPE, ros_version=2)[0]
+        schema = writer.register_schema(TYPE, 'ros2msg', text.encode())
+        channel = writer.register_channel('/uav/raw', 'cdr', schema)
+        for time, data in messages() if items is None else items:
+            writer.add_message(channel, time, data, time)
+        end = file.tell()
+        writer.finish()
+    return end
+
+
+def every_form(folder):
+    """Return the main file of a bag for each storage and compression that there is."""
+    files = []
+    for plugin in StoragePlugin:
+        for mode in CompressionMode:
+            if mode == CompressionMode.STORAGE and plugin == StoragePlugin.SQLITE3:
+                continue
+            bag = write_bag(folder / f'{plugin.name}_{mode.name}', plugin, compression=mode)
+            files.extend(file for file in bag.iterdir() if file.name != 'metadata.yaml')
+    for compression in CompressionType:
+        files.append(folder / f'{compression.name}.mcap')
+        write_mcap(files[-1], compression)
+    return files

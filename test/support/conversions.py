@@ -1,0 +1,84 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Conversions of captures that are made in memory, and what they write."""
+
+from bahrs_driver.bag.capture import Capture, Chunk
+from bahrs_driver.devices import LISTENING, SENSORS
+from bahrs_driver.reprocess.conversion import Conversion
+from bahrs_driver.settings.table import defaults
+from bahrs_driver.transport.link import Link
+from support.emulated import make_device, make_emulation
+
+S = 1_000_000_000
+ORIGIN = 1_700_000_000 * S
+
+
+class Kept:
+    """An output that keeps all."""
+
+    def __init__(self):
+        """Start with nothing."""
+        self.messages = {}
+        self.times = []
+        self.latched = set()
+
+    def begin(self, topics, latched):
+        """Take the topics."""
+        self.messages = {topic: [] for topic in topics}
+        self.latched = latched
+
+    def write(self, topic, time_ns, message):
+        """Keep a message."""
+        self.messages[topic].append((time_ns, message))
+        self.times.append(time_ns)
+
+
+class Pieces(Capture):
+    """A capture of chunks that are given."""
+
+    timed = True
+    byte_ns = 86805
+
+    def __init__(self, chunks, tmp_path):
+        """Take them."""
+        super().__init__(tmp_path, 1)
+        self._chunks = chunks
+
+    def chunks(self):
+        """Return them."""
+        return iter(self._chunks)
+
+
+def made(settings):
+    """Return the parts of a sensor."""
+    return SENSORS[settings['sensor']](settings, Link('/dev/null', 115200))
+
+
+def converted(capture, start=None, sensor='bahrs', **changes):
+    """Convert a capture; return what came and the outcome."""
+    settings = {**defaults(), **LISTENING.get(sensor, {}), 'sensor': sensor, **changes}
+    kept = Kept()
+    outcome = Conversion(capture, settings, lambda: made(settings), start).run(
+        kept, lambda what: None)
+    return kept, outcome
+
+
+def stamps(kept, topic='imu/data_raw'):
+    """Return the stamps of a topic in ns."""
+    return [message.header.stamp.sec * S + message.header.stamp.nanosec
+            for _, message in kept.messages[topic]]
+
+
+def flight(seconds=8.0):
+    """Return timed chunks of an emulated device, 16 ms each, and the truth of its samples."""
+    emulation = make_emulation(make_device(drift_ppm=40.0), mode=0.016)
+    chunks, sent, now = [], [], 0.0
+    while now < seconds:
+        now += 0.016
+        sent += emulation.advance(now)
+        data = emulation.take(now)
+        at = round((now + 50e-6) * S)
+        if data:
+            chunks.append(Chunk(data, ORIGIN + at, 5 * S + at))
+    return chunks, [ORIGIN + round(item.emission.time * S) for item in sent
+                    if item.emission.name == 'inertial']

@@ -1,0 +1,144 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Streams of devices through simulated adapters, cut anywhere, and what a clock makes of them."""
+
+from dataclasses import dataclass
+import random
+
+from bahrs_driver.clock import byte_time_ns, Instant, NANOSECONDS
+from bahrs_driver.clock.estimation.smoother import Survey
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.messages import (
+    Inertial, InertialTime, Navigation, NavigationTime, SyncPulseTime,
+)
+from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.virtual_serial.cable import Cable
+from bahrs_driver.virtual_serial.faults import Faults
+from support.emulated import BAUD_RATE, make_device
+
+ADAPTERS = ('none', 0.001, 0.016, 'packets')
+RAW, ROS = 5_000 * NANOSECONDS, 1_700_000_000 * NANOSECONDS
+SAMPLES = {'inertial': Inertial, 'navigation': Navigation}
+POINTS = (InertialTime, NavigationTime, SyncPulseTime)
+
+
+@dataclass
+class Stream:
+    """Reads of a stream: raw times and bytes; and each sample's truth by its offset."""
+
+    reads: list[tuple[int, bytes]]
+    truth: dict[int, tuple[int, int]]       # power-on, device time in ns
+
+    def cut(self, begin, end):
+        """Return what of it is from one byte to another, as shares of the whole or in bytes."""
+        length = sum(len(data) for _, data in self.reads)
+        if isinstance(begin, float):
+            begin, end = sorted((round(begin * length), round(end * length)))
+        reads, offset = [], 0
+        for time, data in self.reads:
+            kept = data[max(0, begin - offset):max(0, end - offset)]
+            offset += len(data)
+            if kept:
+                reads.append((time, kept))
+        return Stream(reads, {offset - begin: true for offset, true in self.truth.items()})
+
+    @property
+    def data(self):
+        """Return all bytes."""
+        return b''.join(data for _, data in self.reads)
+
+
+def through(emissions, adapter, seed=1):
+    """Return the reads of (ready in s, bytes) pairs over a line and an adapter."""
+    cable, late, reads, wake = Cable(BAUD_RATE, adapter), random.Random(seed), [], 0.0
+    for ready, data in [*emissions, (float('inf'), b'')]:
+        while (arrival := cable.next_time) < ready:
+            wake = max(wake, arrival) + late.uniform(40e-6, 150e-6)
+            reads.append((RAW + round(wake * NANOSECONDS), cable.take(wake)))
+        cable.send(ready, data)
+    return [(time, data) for time, data in reads if data]
+
+
+def emulated(seconds=6.0, adapter='none', restarts=(), loss=0.0, damage=0.0, seed=1, **habits):
+    """Return the stream of an emulated device."""
+    device = make_device(seed=seed, pulse_rate=3.0, drift_ppm=50.0, **habits)
+    faults = Faults(seed, {'drop_frame': loss, 'bit_flip': damage})
+    truth, sent, offset = {}, [], 0
+    for power_on, end in enumerate([*restarts, seconds]):
+        while device.next_time < end:
+            for emission in device.step():
+                data = faults.apply(emission.data)
+                if emission.name in SAMPLES:
+                    truth[offset] = power_on, emission.truth['device_time_us'] * 1000
+                sent.append((emission.ready, data))
+                offset += len(data)
+        device.power_cycle(end)
+    return Stream(through(sent, adapter, seed), truth)
+
+
+@dataclass
+class Stamps:
+    """What a clock gave back."""
+
+    items: list[tuple[object, int, int, int]]       # message, offset, stamp, read it came with
+    clock: object
+    sent: list[int]                     # offsets of what has no time that could be impossible
+
+
+def live(stream, clock, ros=lambda raw: raw + ROS):
+    """Return the stamps of a stream, read as the receiver does."""
+    framer, codec, items, sent = Framer(BahrsFormat()), BahrsCodec(), [], []
+    clock.begin(byte_time_ns(BAUD_RATE))
+    now = Instant(RAW, ros(RAW))
+
+    def stamp(frames):
+        messages = [(codec.decode(frame), frame) for frame in frames]
+        sent.extend(frame.offset for message, frame in messages
+                    if not isinstance(message, POINTS))
+        return clock.stamp(messages)
+
+    def take(stamped):
+        items.extend((message, frame.offset, stamp, now.ros_ns)
+                     for message, frame, stamp in stamped)
+
+    for raw, data in stream.reads:
+        found = framer.feed(data)
+        now = Instant(raw, ros(raw))
+        clock.read(now, framer.received)
+        take(stamp(found))
+    take(stamp(framer.flush()) + clock.end())
+    return Stamps(items, clock, sent)
+
+
+def converted(stream, clock):
+    """Return the stamps of a stream as a conversion of its recording makes them."""
+    survey = Survey()
+    live(stream, clock.with_tracker(survey))
+    return live(stream, clock.with_tracker(survey.lines()))
+
+
+def check_promises(stamps, truth):
+    """Check what holds whatever comes; return (epoch, device time, stamp) of inertial samples."""
+    offsets = [offset for _, offset, *_ in stamps.items]
+    assert offsets == sorted(offsets)
+    assert [offset for message, offset, *_ in stamps.items
+            if not isinstance(message, POINTS)] == stamps.sent
+    for kind in (*SAMPLES.values(), *POINTS):
+        of_kind = [(stamp, read) for message, _, stamp, read in stamps.items
+                   if isinstance(message, kind) and getattr(message, 'valid', True)]
+        assert all(earlier < later for (earlier, _), (later, _) in zip(of_kind, of_kind[1:])), kind
+        assert all(stamp <= read for stamp, read in of_kind), kind
+    assert stamps.clock.state().dropped == 0
+    samples = [(*truth[offset], stamp) for message, offset, stamp, _ in stamps.items
+               if isinstance(message, Inertial)]
+    by_time = {(epoch, device): stamp for epoch, device, stamp in samples}
+    assert all(by_time.get(truth[offset], stamp) == stamp
+               for message, offset, stamp, _ in stamps.items if isinstance(message, Navigation))
+    return samples
+
+
+def worst_period(samples):
+    """Return the largest error of the time between two samples, as a share of it."""
+    return max((abs(later - stamp - (after - device)) / (after - device)
+                for (epoch, device, stamp), (next_epoch, after, later) in zip(samples, samples[1:])
+                if epoch == next_epoch), default=0.0)

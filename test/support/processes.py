@@ -1,0 +1,167 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Our commands as real processes, and an ear for what they publish."""
+
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+import contextlib
+from pathlib import Path
+import signal
+import subprocess
+import sys
+import threading
+import time
+from typing import Any
+
+from bahrs_driver.convert.bahrs.converter import LATCHED
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+BIN = Path(sys.executable).parent
+MODULES = {'bahrs': 'bahrs_driver.cli.main', 'driver_node': 'bahrs_driver.node.main'}
+# Long enough for a machine that does much else: only what fails ever waits so long.
+PATIENCE = 60.0                 # s
+
+
+def command(name: str, *words: str) -> list[str]:
+    """Return how to run a command of ours: as it is installed beside this Python, or without."""
+    script = BIN / name
+    if script.exists():
+        return [str(script), *words]
+    code = f'import sys; from {MODULES[name]} import main; sys.exit(main())'
+    return [sys.executable, '-c', code, *words]
+
+
+class Process:
+    """A child process whose output can be waited for and read."""
+
+    def __init__(self, command: list[str]) -> None:
+        """Start it."""
+        self._child = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            text=True, bufsize=1)
+        self.lines: list[str] = []
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        self.lines.extend(iter(self._child.stdout.readline, ''))
+
+    @property
+    def text(self) -> str:
+        """All that it has printed so far."""
+        return ''.join(self.lines)
+
+    @property
+    def pid(self) -> int:
+        """Return the number of the process."""
+        return self._child.pid
+
+    def tell(self, line: str) -> None:
+        """Give it a line on its standard input."""
+        self._child.stdin.write(f'{line}\n')
+        self._child.stdin.flush()
+
+    @property
+    def alive(self) -> bool:
+        """Whether it still runs."""
+        return self._child.poll() is None
+
+    def end(self, number: int = signal.SIGINT) -> int:
+        """Send a signal if it still runs, wait, and return its exit status."""
+        if self.alive:
+            self._child.send_signal(number)
+        try:
+            return self.wait()
+        except subprocess.TimeoutExpired:
+            self._child.kill()
+            self.wait()
+            raise
+
+    def wait(self, timeout: float = PATIENCE) -> int:
+        """Wait until it ends by itself and return its exit status."""
+        status = self._child.wait(timeout)
+        self._reader.join(timeout)
+        self._child.stdout.close()
+        self._child.stdin.close()
+        return status
+
+
+@contextlib.contextmanager
+def running(name: str, *words: str) -> Iterator[Process]:
+    """Run a command of ours, and end it at the end."""
+    process = Process(command(name, *words))
+    try:
+        yield process
+    finally:
+        if process.alive:
+            process.end()
+
+
+def driver(port: str, **parameters: Any) -> contextlib.AbstractContextManager[Process]:
+    """Run the node on a port; two underscores in a name stand for a dot."""
+    words = [word for name, value in {'port': port, **parameters}.items()
+             for word in ('-p', f"{name.replace('__', '.')}:={value}")]
+    return running('driver_node', '--ros-args', *words)
+
+
+class Ear:
+    """Listens to topics, in a thread of its own, and keeps every message."""
+
+    def __init__(self, topics: dict[str, type]) -> None:
+        """Subscribe."""
+        self.heard: dict[str, list[Any]] = defaultdict(list)
+        self._context = Context()
+        rclpy.init(context=self._context)
+        self.node = rclpy.create_node('ear', context=self._context)
+        for topic, kind in topics.items():
+            profile = QoSProfile(depth=2000)
+            if topic in LATCHED:
+                profile.durability = DurabilityPolicy.TRANSIENT_LOCAL
+            self.node.create_subscription(kind, topic, self.heard[topic].append, profile)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._spin, daemon=True)
+        self._thread.start()
+
+    def _spin(self) -> None:
+        with contextlib.suppress(ExternalShutdownException):
+            while not self._ended.is_set():
+                self._executor.spin_once(0.1)
+
+    def wait(self, topic: str, count: int = 1, timeout: float = PATIENCE) -> list[Any]:
+        """Wait until a topic has brought so many messages, and return all of them."""
+        assert wait_for(lambda: len(self.heard[topic]) >= count, timeout), (
+            f'{len(self.heard[topic])} of {count} messages on {topic} in {timeout} s')
+        return self.heard[topic]
+
+    def close(self) -> None:
+        """Stop listening."""
+        self._ended.set()
+        self._thread.join()
+        self._executor.shutdown()
+        self.node.destroy_node()
+        rclpy.shutdown(context=self._context)
+
+
+@contextlib.contextmanager
+def listening(topics: dict[str, type]) -> Iterator[Ear]:
+    """Listen to topics for the length of a block."""
+    ear = Ear(topics)
+    try:
+        yield ear
+    finally:
+        ear.close()
+
+
+def wait_for(condition: Callable[[], object], timeout: float = PATIENCE) -> bool:
+    """Wait until a condition holds; False if it did not in time (seconds)."""
+    end = time.monotonic() + timeout
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.005)
+    return True

@@ -1,0 +1,42 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Recordings made of emulated devices, with and without the times of reads."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from bahrs_driver.bag.capture import Capture, Chunk
+from bahrs_driver.emulator.emulation import Emulation
+from bahrs_driver.report.gather import gather, Recording
+from support.emulated import make_emulation
+
+START = 1_700_000_000_000_000_000       # ns since the epoch
+BYTE_NS = 86_806                        # at 115200 baud
+
+
+class MadeUp(Capture):
+    """What an emulated device sends, read so often."""
+
+    byte_ns = BYTE_NS
+    timed = True
+
+    def __init__(self, emulation: Emulation, seconds: float, every: float = 0.002,
+                 timed: bool = True) -> None:
+        """Read every so many seconds."""
+        super().__init__(Path('made_up.bin'), 0)
+        self._emulation, self._seconds, self._every = emulation, seconds, every
+        self._timed = timed
+
+    def chunks(self) -> Iterator[Chunk]:
+        """Yield what comes, a read at a time."""
+        for index in range(round(self._seconds / self._every)):
+            now = index * self._every
+            list(self._emulation.advance(now))
+            if data := self._emulation.take(now):
+                yield Chunk(data, START + round(now * 1e9) if self._timed else None)
+
+
+def recorded(emulation: Emulation | None = None, seconds: float = 10.0, every: float = 0.002,
+             timed: bool = True) -> Recording:
+    """Return the recording of an emulated device."""
+    return gather(MadeUp(emulation or make_emulation(), seconds, every, timed))

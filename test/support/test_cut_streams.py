@@ -1,0 +1,75 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Streams that begin and end at any byte: stamps increase and keep the period, first to last."""
+
+from functools import lru_cache
+
+from bahrs_driver.clock import SampleClock
+from bahrs_driver.virtual_serial.pacing import paced
+from hypothesis import example, given, settings, strategies as st
+import pytest
+from support.cut_streams import (
+    ADAPTERS, check_promises, converted, emulated, live, Stream, through, worst_period,
+)
+from support.shared_files import shared_file
+
+# Of a period. In the first seconds stamps follow the estimate by 10 % at most, and at once where
+# the bytes of the second read prove that all samples of the first one were late.
+SETTLING = 0.3
+SETTLED = 0.03
+ways = st.sampled_from([live, converted])
+ends = st.floats(0, 1)
+
+
+@lru_cache(maxsize=8)
+def recorded(adapter):
+    """Return the first half minute of the recording, after the pause in its beginning."""
+    data = shared_file('data/bahrs_recording_v2.bin').read_bytes()[644:200_000]
+    pieces = list(paced([data]))
+    truth, offset = {}, 0
+    for index, (_, piece) in enumerate(pieces):         # an inertial message begins each
+        truth[offset] = 0, index * 5_000_000
+        if index % 2 == 0:
+            place = piece.index(b'NE\x02\x00\x02')
+            truth[offset + place] = truth[offset]
+        offset += len(piece)
+    return Stream(through(pieces, adapter), truth)
+
+
+@settings(max_examples=60)
+@given(adapter=st.sampled_from(ADAPTERS), begin=st.integers(0, 190_000),
+       length=st.integers(0, 9_000), way=ways)
+@example(adapter='none', begin=24, length=9_000, way=live)
+def test_the_recording(adapter, begin, length, way):
+    """Also a beginning with a navigation message, and few samples without any time message."""
+    stream = recorded(adapter).cut(begin, begin + length)
+    assert worst_period(check_promises(way(stream, SampleClock()), stream.truth)) < SETTLING
+
+
+@settings(max_examples=80)
+@given(adapter=st.sampled_from(ADAPTERS), version=st.integers(1, 3),
+       loss=st.sampled_from([0.0, 0.01, 0.05]), damage=st.sampled_from([0.0, 0.0003]),
+       seed=st.integers(0, 99),
+       restarts=st.lists(st.floats(0.7, 4.0), max_size=2).map(sorted),
+       begin=ends, end=ends, way=ways)
+def test_emulated_devices(begin, end, way, **what):
+    """Of every version, with losses and restarts."""
+    stream = emulated(5.0, **what).cut(begin, end)
+    assert worst_period(check_promises(way(stream, SampleClock()), stream.truth)) < SETTLING
+
+
+@settings(max_examples=20)
+@given(adapter=st.sampled_from(ADAPTERS), begin=ends, end=ends, way=ways)
+def test_a_device_whose_time_messages_name_their_own_sample(adapter, begin, end, way):
+    """As the document has it."""
+    stream = emulated(5.0, adapter, time_label='same', restarts=(2.0,)).cut(begin, end)
+    assert worst_period(check_promises(way(stream, SampleClock()), stream.truth)) < SETTLING
+
+
+@pytest.mark.parametrize('adapter', ADAPTERS)
+def test_the_last_samples_are_as_even_as_the_others(adapter):
+    """The end of a stream is nothing that a stamp could know of."""
+    stream = emulated(8.0, adapter).cut(0.3, 1.0)
+    for way in (live, converted):
+        samples = check_promises(way(stream, SampleClock()), stream.truth)
+        assert worst_period(samples[-200:]) < SETTLED

@@ -1,0 +1,331 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the receiving thread, on a link that is a script."""
+
+import contextlib
+import threading
+
+from bahrs_driver.clock import ArrivalStamps, Instant
+from bahrs_driver.process.fault_log import FaultLog
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.messages import NavigationTime, SyncPulseTime
+from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.transport import receiver as receiver_module
+from bahrs_driver.transport.link import LinkError, Reading
+from bahrs_driver.transport.receiver import Receiver
+from hypothesis import given, strategies as st
+import pytest
+
+FRAMES = [BahrsCodec().encode(SyncPulseTime(i, 1000 * i), 3) for i in range(9)]
+GONE = LinkError('port is gone', absent=True)
+MISSING = LinkError('port does not exist', absent=True)
+FORBIDDEN = LinkError('port may not be opened')
+BUSY = LinkError('port is in use')
+
+
+class ScriptedLink:
+    """A link whose openings and readings are given beforehand; it ends the receiver at the end."""
+
+    name = 'port'
+    byte_time_ns = 1000
+
+    def __init__(self, openings):
+        """Take for each opening an error, or the chunks to read until the port is lost."""
+        self._openings = iter(openings)
+        self._chunks = iter(())
+        self.closed = 0
+        self.done = threading.Event()
+
+    def connect(self):
+        """Fail or open, as the script says."""
+        opening = next(self._openings, None)
+        if opening is None:
+            self.done.set()
+            raise LinkError('end of the script')
+        if isinstance(opening, LinkError):
+            raise opening
+        self._chunks = iter(opening)
+
+    def read(self):
+        """Return the next chunk, at a time that tells which it is."""
+        chunk = next(self._chunks, GONE)
+        if isinstance(chunk, LinkError):
+            raise chunk
+        return Reading(chunk, Instant(3_000_000, 10_000_000)) if chunk else None
+
+    def cancel_read(self):
+        """Nothing waits here."""
+
+    def close(self):
+        """Count."""
+        self.closed += 1
+
+
+def made(link, diary):
+    """Return a receiver that stamps with arrival."""
+    return Receiver(link, Framer(BahrsFormat()), BahrsCodec(), ArrivalStamps(), diary,
+                    FaultLog(str, str))
+
+
+class Diary:
+    """Writes down what it is told."""
+
+    def __init__(self):
+        """Begin with nothing."""
+        self.entries = []
+        self.readings = []
+        self.streams = self.ends = 0
+
+    def link_opened(self):
+        """Count it."""
+        self.streams += 1
+
+    def link_usable(self):
+        """Note it."""
+        self.entries.append('opened')
+
+    def link_failed(self, reason, known):
+        """Note why."""
+        self.ends += 1
+        if not known:
+            self.entries.append(reason)
+
+    def time_changed(self, sentence):
+        """Note it."""
+        self.entries.append(sentence)
+
+    def bytes_read(self, reading):
+        """Keep it."""
+        self.readings.append(reading)
+
+    def nothing_read(self):
+        """Note it."""
+        self.entries.append('nothing')
+
+    def received(self, batch):
+        """Note the sequence numbers, and keep all of it."""
+        self.entries.append([received.message.sequence for received in batch])
+        self.last = batch
+
+
+@contextlib.contextmanager
+def running(receiver):
+    """Let the receiver run in a thread for the length of a block."""
+    thread = threading.Thread(target=receiver.run)
+    thread.start()
+    try:
+        yield
+    finally:
+        receiver.stop()
+        thread.join()
+
+
+@pytest.fixture
+def play(monkeypatch):
+    """Give a function that plays a script to its end and returns diary and receiver."""
+    monkeypatch.setattr(receiver_module, 'FIRST_PAUSE', 0.001)
+    monkeypatch.setattr(receiver_module, 'LONGEST_PAUSE', 0.002)
+
+    def run(*openings):
+        link, diary = ScriptedLink(openings), Diary()
+        receiver = made(link, diary)
+        with running(receiver):
+            assert link.done.wait(60)
+        assert link.closed
+        return diary, receiver
+
+    return run
+
+
+def test_frames_of_one_read_come_together(play):
+    """Decoded, in order."""
+    diary, _ = play([FRAMES[0] + FRAMES[1], b'', FRAMES[2]])
+    assert diary.entries[:4] == ['opened', [0, 1], 'nothing', [2]]
+
+
+def test_bytes_are_handed_out_as_they_were_read(play):
+    """Each read for itself, frames or not, with its moment."""
+    pieces = [FRAMES[0][:5], b'', FRAMES[0][5:] + b'noise']
+    diary, _ = play(pieces)
+    assert [reading.data for reading in diary.readings] == [pieces[0], pieces[2]]
+    assert diary.readings[0].now == Instant(3_000_000, 10_000_000)
+
+
+def test_stamps_count_back_from_the_end_of_the_read(play):
+    """Each by the bytes from its first on: two frames of 20 bytes and three bytes of a third."""
+    diary, _ = play([FRAMES[0] + FRAMES[1] + FRAMES[2][:3]])
+    size = len(FRAMES[0])
+    assert [received.stamp_ns for received in diary.last] == [
+        10_000_000 - 1000 * (2 * size + 3), 10_000_000 - 1000 * (size + 3)]
+
+
+def test_a_frame_cut_in_two_is_stamped_from_its_first_byte(play):
+    """The second read completes it, and all its bytes have been on the line by then."""
+    diary, _ = play([FRAMES[0][:7], FRAMES[0][7:]])
+    assert diary.last[0].stamp_ns == 10_000_000 - 1000 * len(FRAMES[0])
+
+
+def test_a_lost_port_is_opened_again(play):
+    """And what it sends is received."""
+    diary, receiver = play([FRAMES[0]], [FRAMES[1]], [FRAMES[2]])
+    assert diary.entries[:8] == [
+        'opened', [0], 'port is gone', 'opened', [1], 'port is gone', 'opened', [2]]
+    assert receiver.counters.times_opened == 3
+
+
+def test_the_same_reason_is_told_once(play):
+    """However often the port is tried."""
+    diary, _ = play(*[BUSY] * 5, [FRAMES[0]], *[BUSY] * 3)
+    assert diary.entries[:5] == ['port is in use', 'opened', [0], 'port is gone', 'port is in use']
+
+
+def test_a_port_that_is_gone_need_not_be_told_to_be_missing(play):
+    """It is the same thing; another reason is told."""
+    diary, receiver = play([FRAMES[0]], MISSING, MISSING, FORBIDDEN, MISSING, [FRAMES[1]])
+    assert diary.entries[:7] == [
+        'opened', [0], 'port is gone', 'port may not be opened', 'port does not exist',
+        'opened', [1]]
+
+
+def test_a_port_that_is_lost_at_once_again_and_again_is_told_once(play):
+    """Such as a server that hangs up on a second client; until there are frames."""
+    diary, receiver = play(*[[b'Port already in use\r\n']] * 20, [b''], [FRAMES[0]],
+                           [b'Port already in use\r\n'], [FRAMES[1]])
+    assert [entry for entry in diary.entries if entry != 'nothing'][:8] == [
+        'opened', 'port is gone', 'opened', [0], 'port is gone', 'opened', 'port is gone',
+        'opened']
+    assert receiver.counters.times_opened == 24
+    assert diary.streams == 24 and diary.ends >= 24
+
+
+def test_a_port_that_stays_open_is_told_without_frames(play, monkeypatch):
+    """After a while, though it was lost at once before."""
+    monkeypatch.setattr(receiver_module, 'STEADY', 0.0)
+    diary, _ = play([b'x'], [b'x'])
+    assert diary.entries[:4] == ['opened', 'port is gone', 'opened', 'port is gone']
+
+
+def test_half_a_frame_does_not_spoil_the_next_stream(play):
+    """What was begun before the cable was pulled is dropped."""
+    diary, receiver = play([FRAMES[0][:11]], [FRAMES[1]])
+    assert diary.entries[:4] == ['opened', 'port is gone', 'opened', [1]]
+
+
+def test_an_intact_frame_behind_half_a_frame_is_not_lost_with_the_cable(play):
+    """It was complete; only the half one before it hid it."""
+    half = BahrsCodec().encode(NavigationTime(1, 2, 3), 3)[:9]
+    long_half = b'NE\x03\x00\xf3' + half[5:]
+    diary, _ = play([long_half + FRAMES[4]])
+    assert diary.entries[:3] == ['opened', [4], 'port is gone']
+
+
+def test_counters(play):
+    """Bytes, reads, and why the port is not open."""
+    _, receiver = play([FRAMES[0], FRAMES[1]], BUSY)
+    counters = receiver.counters
+    assert counters.bytes_received == len(FRAMES[0]) + len(FRAMES[1])
+    assert counters.reads == 2
+    assert counters.open_since is None
+    assert counters.last_data is not None
+
+
+class Failing:
+    """A part whose method fails at one of its first calls, and otherwise works."""
+
+    def __init__(self, part, method, turn, error):
+        """Fail with an error when the method is called for the turn-th time, from 0."""
+        self._part, self._method, self._turn, self._error = part, method, turn, error
+        self.failed = False
+
+    def __getattr__(self, name):
+        """Return what the part has."""
+        found = getattr(self._part, name)
+        if name != self._method:
+            return found
+
+        def method(*arguments):
+            self._turn -= 1
+            if self._turn == -1:
+                self.failed = True
+                raise self._error
+            return found(*arguments)
+        return method
+
+
+METHODS = {
+    'link': ('connect', 'read', 'cancel_read', 'close'),
+    'framer': ('feed', 'flush'),
+    'codec': ('decode',),
+    'clock': ('begin', 'read', 'stamp', 'end', 'take_notices'),
+    'listener': ('link_opened', 'link_usable', 'link_failed', 'bytes_read', 'nothing_read',
+                 'received', 'time_changed')}
+FAULTS = (ValueError('bad'), KeyError(3), OSError(5, 'I/O'), RuntimeError(), TypeError('x'),
+          UnicodeDecodeError('utf-8', b'x', 0, 1, 'bad'), MemoryError(), RecursionError(),
+          AssertionError(), ZeroDivisionError(), StopIteration(), OverflowError('\x1b[2J'))
+
+
+@given(st.sampled_from([(part, method) for part, methods in METHODS.items()
+                        for method in methods]),
+       st.integers(0, 2), st.sampled_from(FAULTS))
+def test_no_fault_anywhere_ends_the_stream(where, turn, error):
+    """It costs what it happens to; the next frames, and the next opening, are as ever."""
+    part, method = where
+    link = ScriptedLink([FRAMES[:3] + [b''] * 3, FRAMES[3:6], FRAMES[6:8], FRAMES[8:]])
+    diary, log = Diary(), []
+    parts = {'link': link, 'framer': Framer(BahrsFormat()), 'codec': BahrsCodec(),
+             'clock': ArrivalStamps(), 'listener': diary}
+    parts[part] = failing = Failing(parts[part], method, turn, error)
+    faults = FaultLog(log.append, str)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(receiver_module, 'FIRST_PAUSE', 0.0)
+        patch.setattr(receiver_module, 'LONGEST_PAUSE', 0.0)
+        with running(Receiver(**parts, faults=faults)):
+            assert link.done.wait(60)
+    heard = [entry for entry in diary.entries if isinstance(entry, list)]
+    assert heard[-1] == [8]
+    assert sum(map(len, heard)) >= len(FRAMES) - 4
+    assert faults.count == len(log) == failing.failed
+
+
+def test_a_frame_that_cannot_be_decoded_costs_no_other(play, monkeypatch):
+    """Of the same read."""
+    decode = BahrsCodec.decode
+
+    def choosy(self, frame):
+        message = decode(self, frame)
+        if message.sequence == 1:
+            raise KeyError('unknown')
+        return message
+
+    monkeypatch.setattr(BahrsCodec, 'decode', choosy)
+    diary, _ = play([FRAMES[0] + FRAMES[1] + FRAMES[2]])
+    assert diary.entries[:2] == ['opened', [0, 2]]
+
+
+def test_pauses_grow_and_are_bounded(monkeypatch):
+    """From the first to the longest, doubling."""
+    pauses = []
+    link, diary = ScriptedLink([BUSY] * 7), Diary()
+    receiver = made(link, diary)
+
+    class Watch(threading.Event):
+        def wait(self, timeout=None):
+            pauses.append(timeout)
+            return super().wait(0)
+
+    monkeypatch.setattr(receiver, '_stopping', Watch())
+    with running(receiver):
+        assert link.done.wait(60)
+    assert pauses[:7] == pytest.approx([0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0])
+
+
+def test_stopping_does_not_wait_for_the_pause(monkeypatch):
+    """A missing port must not hold up the end."""
+    monkeypatch.setattr(receiver_module, 'FIRST_PAUSE', 3600)
+    monkeypatch.setattr(receiver_module, 'LONGEST_PAUSE', 3600)
+    receiver = made(ScriptedLink([BUSY] * 2), Diary())
+    thread = threading.Thread(target=receiver.run, daemon=True)
+    thread.start()
+    receiver.stop()
+    thread.join(60)
+    assert not thread.is_alive()

@@ -1,0 +1,116 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""When bytes arrive, in literal figures: 1,000 bytes a second make it easy to see."""
+
+import math
+
+from bahrs_driver.virtual_serial.cable import adapter_mode, AT_ONCE, Cable, PACKET_BURST, PACKETS
+import pytest
+
+BAUD_RATE = 10_000      # a byte a millisecond
+
+
+def arrivals(cable, until):
+    """Return (when, bytes) of all that arrives up to a time."""
+    found = []
+    while (now := cable.next_time) <= until:
+        found.append((round(now, 6), cable.take(now)))
+    return found
+
+
+def test_a_frame_arrives_when_its_last_byte_does():
+    """Ten bits for each byte."""
+    cable = Cable(BAUD_RATE)
+    cable.send(1.0, b'0123456789')
+    assert cable.next_time == pytest.approx(1.010)
+    assert arrivals(cable, 2.0) == [(1.010, b'0123456789')]
+    assert cable.next_time == math.inf
+
+
+def test_bytes_leave_back_to_back():
+    """What is ready while the line is busy waits for it."""
+    cable = Cable(BAUD_RATE)
+    cable.send(1.0, b'abcd')
+    cable.send(1.001, b'efg')
+    cable.send(1.5, b'h')
+    assert arrivals(cable, 2.0) == [(1.004, b'abcd'), (1.007, b'efg'), (1.501, b'h')]
+
+
+def test_a_look_in_between_finds_part_of_a_frame():
+    """As many bytes as have arrived."""
+    cable = Cable(BAUD_RATE)
+    cable.send(1.0, b'abcd')
+    assert cable.take(1.0025) == b'ab'
+    assert cable.take(1.0029) == b''
+    assert cable.take(1.003) == b'c'
+    assert cable.take(9.0) == b'd'
+
+
+def test_a_latency_timer_hands_over_in_bursts():
+    """Every 16 ms what has arrived by then, cut in the middle of a frame."""
+    cable = Cable(BAUD_RATE, 0.016)
+    cable.send(0.010, b'0123456789')
+    cable.send(0.021, b'abcdefghij')
+    assert arrivals(cable, 1.0) == [(0.016, b'012345'), (0.032, b'6789abcdefghij')]
+
+
+def test_full_packets_come_together():
+    """Eight at a time; the rest when nothing has come for a while."""
+    cable = Cable(BAUD_RATE, PACKETS)
+    cable.send(0.0, bytes(400))
+    cable.send(0.4, bytes(400))
+    assert [(when, len(data)) for when, data in arrivals(cable, 9.0)] == [
+        (0.496, PACKET_BURST), (0.816, 800 - PACKET_BURST)]
+
+
+def test_a_late_look_finds_all_bursts():
+    """A host that slept misses nothing."""
+    for mode in (AT_ONCE, PACKETS, 0.016):
+        cable = Cable(BAUD_RATE, mode)
+        cable.send(0.0, bytes(2000))
+        assert len(cable.take(100.0)) == 2000
+
+
+def test_the_mode_can_change_while_it_runs():
+    """What is held back comes at once."""
+    cable = Cable(BAUD_RATE, 0.255)
+    cable.send(0.0, b'abc')
+    assert cable.take(0.2) == b''
+    cable.mode = AT_ONCE
+    assert cable.take(0.2) == b'abc'
+
+
+def test_pulling_the_plug_loses_what_has_not_arrived():
+    """And what comes later does not wait for it."""
+    cable = Cable(BAUD_RATE)
+    cable.send(0.0, b'abcd')
+    cable.send(0.0, b'efgh')
+    cable.send(0.0, b'ijkl')
+    cable.cut(0.006)
+    cable.send(0.1, b'mn')
+    assert arrivals(cable, 9.0) == [(0.004, b'abcd'), (0.006, b'ef'), (0.102, b'mn')]
+
+
+def test_the_bytes_are_the_same_however_they_come():
+    """Only their time differs."""
+    streams = set()
+    for mode in (AT_ONCE, PACKETS, 0.001, 0.016):
+        cable = Cable(115200, mode)
+        for index in range(300):
+            cable.send(index * 0.003, bytes([index % 256]) * 24)
+        streams.add(b''.join(data for _, data in arrivals(cable, 10.0)))
+    assert len(streams) == 1 and len(streams.pop()) == 7200
+
+
+@pytest.mark.parametrize(('text', 'mode'), [
+    ('none', AT_ONCE), ('packets', PACKETS), ('16', 0.016), ('1', 0.001)])
+def test_a_text_becomes_a_mode(text, mode):
+    """Milliseconds, or a name."""
+    assert adapter_mode(text) == mode
+
+
+@pytest.mark.parametrize('text', ['0', '-1', '256', 'much', ''])
+def test_a_wrong_text_is_refused_with_a_reason(text):
+    """In one sentence that says what is valid."""
+    with pytest.raises(ValueError, match='from 1 to 255'):
+        adapter_mode(text)
