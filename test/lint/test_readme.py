@@ -3,7 +3,6 @@
 """The README cannot lie: its tables are those of the code."""
 
 from pathlib import Path
-import re
 import sys
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -22,9 +21,3 @@ def test_parameter_table_is_that_of_the_code():
 def test_every_topic_is_named_with_its_type():
     """In the table of topics."""
     assert missing_topics(README.read_text()) == []
-
-
-def test_versions_agree():
-    """Those of package.xml and setup.py."""
-    version = re.search(r'<version>(.*)</version>', (ROOT / 'package.xml').read_text())[1]
-    assert f"version='{version}'" in (ROOT / 'setup.py').read_text()
