@@ -51,5 +51,5 @@ def markers(module: ModuleType) -> set[str]:
     values = vars(module).values()
     imported = {value.__name__ if isinstance(value, ModuleType)
                 else str(getattr(value, '__module__', '')) for value in values}
-    packages = {name.split('.')[0] for name in imported}
+    packages = {part for name in imported for part in name.split('.')[:2]}
     return {name for name, marking in MARKED_BY.items() if packages & marking} or {'unit'}
