@@ -52,7 +52,6 @@ class BagFile:
     """One file of a bag. It may be read again, and begins at the beginning each time."""
 
     def __init__(self, path: Path) -> None:
-        """Open nothing yet."""
         self.path = path
         self.size = path.stat().st_size
         self.damage = Damage(path)

@@ -22,7 +22,6 @@ class Damage:
     """Counts the parts of a file that were left out, and keeps the first reason of each kind."""
 
     def __init__(self, file: Path) -> None:
-        """Begin with nothing left out."""
         self._file = file
         self._counts: Counter[str] = Counter()
         self._reasons: dict[str, str] = {}

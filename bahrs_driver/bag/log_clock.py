@@ -38,7 +38,6 @@ class LogClock:
     """Puts moments that come one after the other on log time."""
 
     def __init__(self) -> None:
-        """Begin with the first moment that is observed."""
         self.steps: list[Step] = []
         self.step_count = 0
         self._first: Moment | None = None

@@ -62,7 +62,6 @@ class BahrsDecoder:
     head = ('version',)
 
     def __init__(self, options: argparse.Namespace) -> None:
-        """Take the options of the command line."""
         self._format = BahrsFormat(options.crc)
         self._codec = BahrsCodec(options.pressure_height)
         self.framer = Framer(self._format)
@@ -106,7 +105,6 @@ class TitanDecoder:
     head = ('version', 'message_id')
 
     def __init__(self, options: argparse.Namespace) -> None:
-        """Take the options of the command line."""
         self._format = AnswerFormat(options.checksum_order)
         self._reader = PayloadReader[Frame](options.payload_order, MOST_HELD)
         self.framer = Framer(self._format)

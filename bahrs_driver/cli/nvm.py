@@ -152,7 +152,6 @@ class Device:
     """A device that is listened to, and whose memory can be read."""
 
     def __init__(self, link: Link, options: argparse.Namespace) -> None:
-        """Make the parts."""
         frame_format = BahrsFormat()
         self.failure = ''
         self._port = options.port

@@ -38,7 +38,6 @@ class SampleCounter:
     """Counts samples on from their counters."""
 
     def __init__(self) -> None:
-        """Start without a sample."""
         self.rejected = 0
         self.count = 0                  # of the latest sample
         self._sequence = -1             # of the latest counter that made sense

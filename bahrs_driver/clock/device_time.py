@@ -31,7 +31,6 @@ class DeviceTime:
     """Gives samples their count, and counts their device time."""
 
     def __init__(self, label: Label = 'auto') -> None:
-        """Start without knowledge."""
         self.counter = SampleCounter()
         self.labels = LabelReading(label)
         self.known = False

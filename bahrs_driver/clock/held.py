@@ -23,7 +23,6 @@ class Held:
     __slots__ = ('bound', 'count', 'device', 'early', 'frame', 'message', 'near', 'timed', 'unfed')
 
     def __init__(self, message: Any, frame: Frame, bound: int) -> None:
-        """Hold a message; bound is the raw time that it was not sent after."""
         self.message = message
         self.frame = frame
         self.bound = bound
@@ -39,7 +38,6 @@ class HeldMessages:
     """A queue with a limit on how much of it may wait."""
 
     def __init__(self, most_samples: int) -> None:
-        """Limit the inertial samples that wait; all messages may be twice as many."""
         self._most_samples = most_samples
         self.items: list[Held] = []
 

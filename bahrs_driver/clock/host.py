@@ -30,7 +30,6 @@ class HostClocks:
     """Remembers the last two reads of both clocks, and goes straight between them."""
 
     def __init__(self) -> None:
-        """Start without a read."""
         self.steps = 0
         self.last_step_ns = 0
         self._before = self._after = Instant(0, 0)

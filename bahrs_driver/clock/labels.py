@@ -18,7 +18,6 @@ class LabelReading:
     """Tells how much further a time message's counter is than the sample that it is about."""
 
     def __init__(self, label: Label = 'auto', votes: int = VOTES) -> None:
-        """Force a reading, or detect it by the majority of the latest votes."""
         self._forced = label
         self._votes: deque[int] = deque(maxlen=votes)
 

@@ -23,7 +23,6 @@ class NavigationCounter:
     """Finds the inertial sample that goes with a navigation message."""
 
     def __init__(self) -> None:
-        """Start without a pair."""
         self._difference, self._certain = 0, False
         self._recent: deque[int] = deque([0] * PRIOR, maxlen=WITNESSES)
 

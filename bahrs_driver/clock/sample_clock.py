@@ -49,7 +49,6 @@ class SampleClock:
 
     def __init__(self, options: ClockOptions = ClockOptions(),
                  tracker: Tracker | None = None) -> None:
-        """Work as the options say, with a tracker that is new; begin() begins."""
         self._options = options
         self._device = DeviceTime(options.label)
         self._tracker = tracker or Tracker()

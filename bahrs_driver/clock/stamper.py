@@ -40,7 +40,6 @@ class Stamper:
 
     def __init__(self, device: DeviceTime, tracker: Tracker, output: Output,
                  pulses: SyncPulses) -> None:
-        """Stamp by the estimates of these."""
         self.arrivals = 0               # inertial samples stamped without device time
         self.dropped = 0                # samples whose time cannot be
         self._device, self._tracker = device, tracker

@@ -21,7 +21,6 @@ class Timeline:
     """Device time in ns by count."""
 
     def __init__(self, count: int, time: int) -> None:
-        """Begin with one sample's device time."""
         self._history: deque[tuple[int, int]] = deque([(count, time)], maxlen=HISTORY)
         self._count, self._time = count, time
         self._elapsed, self._samples = PERIOD, 1

@@ -39,7 +39,6 @@ class NodeSearch:
     """Looks for the node that a choice is about, as often as it is asked to."""
 
     def __init__(self, choice: NodeChoice) -> None:
-        """Search on behalf of a choice, and offer it the nodes that are found."""
         self.choice = choice
         self._next_look = 0.0
 

@@ -19,7 +19,6 @@ class DeviceTask:
     name = 'Device'
 
     def __init__(self, stale: Staleness, nvm_status: Callable[[], str] = lambda: 'none') -> None:
-        """Begin with nothing known; nvm_status describes the session that reads the memory."""
         self._stale = stale
         self._nvm_status = nvm_status
         self._software: SoftwareVersion | None = None

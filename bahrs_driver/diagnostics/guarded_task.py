@@ -12,7 +12,6 @@ class GuardedTask:
     """Shows a task, or that it cannot be evaluated: the other tasks are reported in any case."""
 
     def __init__(self, task: Task, faults: FaultLog) -> None:
-        """Log what the task raises as a fault."""
         self.name = task.name
         self._task = task
         self._faults = faults

@@ -27,7 +27,6 @@ class SequenceLosses:
     """Tells by the gaps in sequence numbers."""
 
     def __init__(self) -> None:
-        """Start without losses."""
         self.lost = Counter[str]()
         self._last: dict[str, tuple[int, float]] = {}
 
@@ -47,7 +46,6 @@ class RequestLosses:
     """Knows from somebody else."""
 
     def __init__(self, lost: Callable[[], Mapping[str, int]]) -> None:
-        """Take who knows how many of each message never came."""
         self._lost = lost
 
     @property

@@ -18,7 +18,6 @@ class TimeTask:
     name = 'Time'
 
     def __init__(self, clock: Clock, stale: Staleness) -> None:
-        """Watch a clock; while the data is stale there is nothing to put on time."""
         self._clock = clock
         self._stale = stale
         self._state = clock.state()

@@ -39,7 +39,6 @@ class Machine:
 
     def __init__(self, root: Path = Path('/'), user: User | None = None,
                  environment: Mapping[str, str] = os.environ) -> None:
-        """Look below a folder, as a user, with the variables of an environment."""
         self.root = root
         self.user = user or present_user()
         self.environment = environment

@@ -23,7 +23,6 @@ class Reports:
     """Collects the statuses of some drivers, given by their fully qualified names."""
 
     def __init__(self, drivers: Sequence[str]) -> None:
-        """Start with nothing."""
         self._drivers = drivers
         self._heard: dict[str, dict[str, DiagnosticStatus]] = {}
 

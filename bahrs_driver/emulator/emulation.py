@@ -31,7 +31,6 @@ class Emulation:
     """
 
     def __init__(self, device: Device, faults: Faults, cable: Cable) -> None:
-        """Take the parts, at time 0."""
         self.device = device
         self.faults = faults
         self.cable = cable

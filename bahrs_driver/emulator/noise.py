@@ -41,7 +41,6 @@ class Noise:
 
     def __init__(self, seed: int, deviations: Mapping[str, float] | None = None,
                  biases: Mapping[str, Values] | None = None) -> None:
-        """Take standard deviations and biases by quantity; what is not named has none."""
         self._gauss = random.Random(f'noise {seed}').gauss
         self._deviations = {name: (deviations or {}).get(name, 0.0) for name in COMPONENTS}
         self._biases = {name: (biases or {}).get(name, (0.0,) * count)

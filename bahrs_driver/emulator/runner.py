@@ -181,7 +181,6 @@ class ControlInput:
     """Lines from a descriptor that may take their time, such as a terminal or a pipe."""
 
     def __init__(self, descriptor: int | None) -> None:
-        """Take a descriptor to read from, or None for nobody who commands."""
         self.descriptor = descriptor
         self._rest = b''
 

@@ -16,7 +16,6 @@ class Session:
 
     def __init__(self, emulation: Emulation, scenario: Iterable[TimedCommand] = (),
                  truth_file: TruthFile | None = None) -> None:
-        """Take the parts; a scenario is in the order of time."""
         self.emulation = emulation
         self._scenario = deque(scenario)
         self._truth_file = truth_file

@@ -42,7 +42,6 @@ class TruthFile:
     """
 
     def __init__(self, file: TextOutput) -> None:
-        """Write into an open file."""
         self._file = file
         self._flush_due = 0.0
 

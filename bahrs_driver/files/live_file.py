@@ -18,7 +18,6 @@ class LiveFile:
     """A regular file that grows under its name. WriteError says why it cannot."""
 
     def __init__(self, path: PathLike, replace: bool = False) -> None:
-        """Create the file; with replace, empty one that exists. A link to a file is followed."""
         self._path = path
         directory, name = named_target(path)
         target = os.path.join(directory, name)

@@ -39,7 +39,6 @@ class Health:
     """Keeps the statuses of the driver that is chosen."""
 
     def __init__(self, choice: NodeChoice) -> None:
-        """Take the choice, and offer it the drivers that report."""
         self.choice = choice
         self.tasks: dict[str, Status] = {}
         self.events: deque[tuple[float, str, Status]] = deque(maxlen=EVENTS)

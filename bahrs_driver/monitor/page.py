@@ -36,7 +36,6 @@ class Page:
     """Draws what a watch has heard, to the size that there is."""
 
     def __init__(self, watch: Watch) -> None:
-        """Take the watch."""
         self._watch = watch
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:

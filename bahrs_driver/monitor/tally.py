@@ -14,7 +14,6 @@ class Tally:
     """What came on one topic."""
 
     def __init__(self) -> None:
-        """Start with nothing."""
         self.count = 0
         self.data = b''             # the latest message, serialised
         self._arrivals: deque[float] = deque(maxlen=MOST_ARRIVALS)

@@ -43,7 +43,6 @@ class Watch:
     """Listens to the topics of one driver, and to all diagnostics to find it."""
 
     def __init__(self, node: Node, selection: Selection = Selection()) -> None:
-        """Subscribe where the selected driver publishes, or at the root until one is found."""
         self.tallies = {topic: Tally() for topic in TOPICS}
         self.choice = NodeChoice(selection)
         self.health = Health(self.choice)

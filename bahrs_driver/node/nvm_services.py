@@ -32,7 +32,6 @@ class NvmServices:
     """Answers requests for pages, and publishes every page that was read."""
 
     def __init__(self, node: Node, reader: NvmReader, faults: FaultLog) -> None:
-        """Create the services and the topic `nvm/page` on a node that has the nvm parameters."""
         self._node = node
         self._reader = reader
         self._faults = faults

@@ -25,7 +25,6 @@ class FaultLog:
     """Counts and logs faults. Any thread may report one."""
 
     def __init__(self, write_error: Write, write_debug: Write) -> None:
-        """Write sentences with one function of a logger and tracebacks with the other."""
         self.count = 0
         self.last = ''              # the latest fault, in one sentence
         self._write_error, self._write_debug = write_error, write_debug

@@ -56,7 +56,6 @@ class SystemTime:
     """System time by the monotonic clock, which only a clock that is set makes jump."""
 
     def __init__(self) -> None:
-        """Start without a reading."""
         self._offset: int | None = None
 
     def at(self, monotonic: int) -> int:

@@ -30,7 +30,6 @@ class ShutdownEvent:
     """An event that stays set. Waiting for it does not depend on a clock that can be set."""
 
     def __init__(self) -> None:
-        """Create the event, not set."""
         self._read_end, self._write_end = os.pipe()
         os.set_blocking(self._write_end, False)
 

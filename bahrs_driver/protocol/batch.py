@@ -33,7 +33,6 @@ class Batch:
     """Collects frames, and decodes all of a kind at once."""
 
     def __init__(self, layouts: Mapping[bytes, Layout[Any]]) -> None:
-        """Take the layout by the header that goes with it; all headers have the same size."""
         self._layouts = layouts
         (self._header_size,) = {len(header) for header in layouts}
         self._pending: dict[bytes, list[Frame]] = defaultdict(list)

@@ -166,7 +166,6 @@ class Layout(Generic[Message]):
 
     def __init__(self, message: type[Message], version: int = 1, byte_order: str = '<',
                  replace: Mapping[str, Row] | None = None) -> None:
-        """Compile the rows of message, some of them replaced by name."""
         self.message = message
         self.byte_order = byte_order
         self._rows: list[tuple[str, Row, struct.Struct]] = []

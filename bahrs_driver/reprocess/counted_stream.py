@@ -32,7 +32,6 @@ class CountedStream:
 
     def __init__(self, label: Label = 'auto',
                  kind: type[Inertial] | type[Navigation] = Inertial) -> None:
-        """Start without a sample. label says which sample time messages name."""
         self.kind = kind
         self.step = PER_NAVIGATION if kind is Navigation else 1     # counts a message
         self.times = SampleTimes()

@@ -45,7 +45,6 @@ class CounterTimes:
     """Counts the messages of one kind, and says when each was measured."""
 
     def __init__(self, period: int) -> None:
-        """Start without a message; period is nominal, in us."""
         self._period = period
         self._latest = CountedSequence(-1, -1)
         self._label = LabelReading()

@@ -29,7 +29,6 @@ class FlightHealth:
     """Watches a capture being played. Times are log times in ns, stamps are ROS time."""
 
     def __init__(self, sensor: Sensor, clock: Clock, settings: Mapping[str, Any]) -> None:
-        """Take the sensor, the clock that stamps, and the parameters of the driver."""
         self.counts = dict.fromkeys(sensor.topics, 0)       # messages made, by topic
         self._health, self._clock = sensor.health, clock
         self._counters = LinkCounters()

@@ -69,7 +69,6 @@ class SampleTimes:
     """Finds the device time of samples from that of some of them."""
 
     def __init__(self) -> None:
-        """Start without an anchor."""
         self.epochs = 0
         self.rejected = 0                   # anchors that contradicted
         # Since the latest anchor that was believed.

@@ -31,7 +31,6 @@ class StoppableExecutor(Executor):
     """Runs callbacks one after the other in the thread that calls spin(), until stop()."""
 
     def __init__(self, on_error: ErrorHandler, context: Context | None = None) -> None:
-        """Call on_error with every exception that a callback raises."""
         super().__init__(context=context)
         self._on_error = on_error
         self._stopping = threading.Event()
@@ -87,7 +86,6 @@ class DrainingExecutor(StoppableExecutor):
     """Runs callbacks in threads of its own, and waits for them when it is shut down."""
 
     def __init__(self, threads: int, on_error: ErrorHandler) -> None:
-        """Run as many callbacks at once as there are threads."""
         super().__init__(on_error)
         self._pool = ThreadPoolExecutor(threads, thread_name_prefix='callback')
 

@@ -52,7 +52,6 @@ class NodeChoice:
     """
 
     def __init__(self, selection: Selection) -> None:
-        """Choose by a selection; an exact one is its own choice."""
         self.selection = selection
         self.chosen = selection.exact
         self.several: list[str] = []

@@ -25,7 +25,6 @@ class ParameterRequests(ParameterService):
     """The services of a node that was made with start_parameter_services=False."""
 
     def __init__(self, node: Node, settings: Mapping[str, Any]) -> None:
-        """Answer for a node that runs with these settings."""
         self._node = node
         self._settings = settings
         super().__init__(node)      # type: ignore[no-untyped-call]

@@ -28,7 +28,6 @@ class Attempt(Generic[Result]):
     """
 
     def __init__(self, function: Callable[[], Result]) -> None:
-        """Begin to call the function."""
         self._function = function
         self._done = Waker()
         self._lock = threading.Lock()

@@ -26,7 +26,6 @@ class PyserialChannel:
     stolen = 0
 
     def __init__(self, port: Any) -> None:
-        """Use an open port."""
         self._port = port
         self._port.timeout = SLICE
 

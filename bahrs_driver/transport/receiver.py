@@ -84,7 +84,6 @@ class Receiver:
 
     def __init__(self, link: Link, framer: Framer, codec: Codec, clock: Clock,
                  listener: Listener, faults: FaultLog) -> None:
-        """Work with these parts; run() begins. Unexpected exceptions go to faults."""
         self.counters = LinkCounters()
         self._link = link
         self._framer = framer

@@ -47,7 +47,6 @@ class Requester:
     """Lets a conversation use a link that somebody else reads."""
 
     def __init__(self, link: Link, conversation: Conversation) -> None:
-        """Take the parts; run() begins."""
         self._link = link
         self._conversation = conversation
         self._changed = threading.Condition()

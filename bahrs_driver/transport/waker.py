@@ -11,7 +11,6 @@ class Waker:
     """A descriptor that is readable from wake() to clear(). Any thread may use it."""
 
     def __init__(self) -> None:
-        """Begin without a wake-up. The descriptors are closed with the object."""
         self._read_end, self._write_end = os.pipe()
         for descriptor in (self._read_end, self._write_end):
             os.set_blocking(descriptor, False)

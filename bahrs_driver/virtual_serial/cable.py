@@ -34,7 +34,6 @@ class Cable:
     """Takes frames when they are ready and gives out bytes when they arrive. No clock."""
 
     def __init__(self, baud_rate: int, mode: str | float = AT_ONCE) -> None:
-        """Take the rate of the line and the adapter's mode."""
         self.mode = mode
         self.byte_time = BITS_PER_BYTE / baud_rate
         self._free = 0.0                # when the line has sent all it was given

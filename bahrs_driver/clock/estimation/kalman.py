@@ -42,7 +42,6 @@ class State:
     __slots__ = ('offset', 'p00', 'p01', 'p11', 'skew')
 
     def __init__(self, offset: float, skew: float, p00: float, p01: float, p11: float) -> None:
-        """Take all values."""
         self.offset, self.skew = offset, skew
         self.p00, self.p01, self.p11 = p00, p01, p11
 

@@ -129,7 +129,6 @@ class DelayEstimate:
     """The median of what pulses say that the fastest samples are late by."""
 
     def __init__(self) -> None:
-        """Start without a pulse."""
         self._delays: deque[int] = deque(maxlen=DELAYS)
         self.value: int | None = None
 

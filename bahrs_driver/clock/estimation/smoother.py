@@ -51,7 +51,6 @@ class Survey(Tracker):
     """A tracker that remembers what a smoother needs: a few numbers for each half second."""
 
     def __init__(self) -> None:
-        """Start without knowledge."""
         super().__init__()
         self._epochs: list[list[Bucket]] = []
         self._index = -1
@@ -126,7 +125,6 @@ class SmoothedLines(Tracker):
     """Stands in for a tracker, and knows all beforehand."""
 
     def __init__(self, lines: Iterable[Line]) -> None:
-        """Take a line for each epoch of the device's clock."""
         super().__init__()
         self._lines = list(lines)
         self._line: Line | None = None

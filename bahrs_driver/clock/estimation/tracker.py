@@ -58,7 +58,6 @@ class Tracker:
     """Estimates host time, in ns, for device time in ns."""
 
     def __init__(self) -> None:
-        """Start without knowledge."""
         self.rejected = 0               # buckets that were not believed
         self.spread = 0.0               # ns
         self._skew, self._skew_deviation = 0.0, 100e-6

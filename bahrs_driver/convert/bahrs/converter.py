@@ -93,7 +93,6 @@ class BahrsConverter:
     """Turns the stream of device messages into (topic, ROS message) pairs."""
 
     def __init__(self, options: BahrsOptions) -> None:
-        """Convert as the options say."""
         self._options = options
         self._accuracy = OrientationAccuracy(
             options.convention, options.declination, options.orientation_fallback)

@@ -30,7 +30,6 @@ class IntegrityNotice:
     """
 
     def __init__(self, signals: Sequence[str]) -> None:
-        """Begin with signals of which nothing was heard."""
         self.signals: dict[str, Integrity | None] = dict.fromkeys(signals)
         self._last: dict[tuple[str, ...], Health] = {}
         self._sampled = 0           # stamp of the latest sample

@@ -24,7 +24,6 @@ class Appraisal:
     """Tells what signals are worth."""
 
     def __init__(self, policy: RiskPolicy, inflation: float) -> None:
-        """Treat signals at risk by a policy; inflation is the factor on the variance."""
         at_risk: dict[str, Worth] = {'inflate': inflation, 'withhold': None, 'pass': 1.0}
         self._worth: dict[Integrity, Worth] = {
             Integrity.SAFE: 1.0, Integrity.INTEGRITY_RISK: at_risk[policy],

@@ -30,7 +30,6 @@ class OrientationAccuracy:
     """Keeps the latest accuracy message, and gives deviations and covariances by it."""
 
     def __init__(self, convention: Convention, declination: float, fallback: float) -> None:
-        """Assume the fallback (rad; 0 is unknown) where there is no accuracy."""
         self._convention = convention
         self._cos, self._sin = math.cos(declination), math.sin(declination)
         self._fallback = fallback or None

@@ -23,7 +23,6 @@ class Pairing(Generic[Sample]):
     """Remembers the latest inertial sample, and tells which navigation message goes with it."""
 
     def __init__(self) -> None:
-        """Start without knowledge of the device's counters."""
         self._latest: tuple[int, Sample] | None = None
         self._difference: int | None = None
         self._recent: deque[int] = deque(maxlen=WITNESSES)

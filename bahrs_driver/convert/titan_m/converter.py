@@ -107,7 +107,6 @@ class TitanConverter:
     """Turns answers into (topic, ROS message) pairs."""
 
     def __init__(self, options: TitanOptions, reader: PayloadReader[int]) -> None:
-        """Convert as the options say; reader knows in which byte order."""
         self._options = options
         self._reader = reader
         self._gps_time = GpsTime(options.gps_week, options.leap_seconds)

@@ -68,7 +68,6 @@ class BahrsDevice:
 
     def __init__(self, habits: BahrsHabits, motion: Motion, noise: Noise,
                  clock: DeviceClock, pulses: Pulses) -> None:
-        """Switch it on."""
         self.clock = clock
         self.pulses = pulses
         self.stream = BahrsStream(habits.version, habits.time_label, noise)

@@ -53,7 +53,6 @@ class DiagnosticsMode:
     """Hears requests and answers them. All times are true ones, in seconds."""
 
     def __init__(self, habits: ServiceHabits) -> None:
-        """Begin at power-on."""
         self._habits = habits
         self._codec = BahrsCodec()
         self.restart(0.0)

@@ -68,7 +68,6 @@ class BahrsStream:
     """The messages of one power-on, sample by sample."""
 
     def __init__(self, version: int, time_label: TimeLabel, noise: Noise) -> None:
-        """Begin at power-on, with every signal safe."""
         self._version = version
         self._label = 1 if time_label == 'next' else 0
         self._noise = noise

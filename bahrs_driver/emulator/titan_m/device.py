@@ -47,7 +47,6 @@ class TitanDevice:
 
     def __init__(self, habits: TitanHabits, measures: TitanMeasures, byte_time: float,
                  seed: int = 1) -> None:
-        """Switch it on. A byte takes byte_time on the line; seed is of late answers."""
         self._habits = habits
         self._measures = measures
         self._request_time = REQUEST_SIZE * byte_time

@@ -39,7 +39,6 @@ class TitanMeasures:
     """Measures along a path; the start of position counting is where it is told to begin."""
 
     def __init__(self, path: GroundPath, noise: Noise, gps_start_ms: int = 0) -> None:
-        """Take the path, what is added to the truth, and GPS time of week at time 0."""
         self._path = path
         self._noise = noise
         self._gps_start_ms = gps_start_ms

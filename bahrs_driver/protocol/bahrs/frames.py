@@ -69,7 +69,6 @@ class BahrsFormat:
     header_size = HEADER.size
 
     def __init__(self, order: Literal['auto', 'word', 'byte'] = 'auto') -> None:
-        """Accept the given CRC order, or detect it."""
         self.order_seen: str | None = None
         self.version_seen: int | None = None
         self._orders: list[str] = ['word', 'byte'] if order == 'auto' else [order]
@@ -121,7 +120,6 @@ class BahrsCodec:
     """Turns BAHRS frames into messages and back."""
 
     def __init__(self, height_format: HeightFormat = 'uint16') -> None:
-        """Read and write the pressure height in the given format."""
         self._layouts = layouts(height_format)
         self.layouts_by_header = {HEADER.pack(MARKER, *key): layout
                                   for key, layout in self._layouts.items()}

@@ -59,7 +59,6 @@ class PayloadReader(Generic[Tag]):
     """Reads answers, each with whatever goes with it, once it is known how."""
 
     def __init__(self, order: OrderChoice = 'auto', most_held: int | None = MOST_HELD) -> None:
-        """Force an order, or detect it and hold so many answers until then."""
         self._forced = order
         self._held: deque[tuple[type[TitanAnswer], bytes, Tag]] = deque(maxlen=most_held)
         self.given_up = 0           # answers that were held for too long

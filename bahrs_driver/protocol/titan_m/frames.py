@@ -133,7 +133,6 @@ class ChecksumOrder:
     """
 
     def __init__(self, order: OrderChoice = 'auto') -> None:
-        """Force an order, or detect it."""
         self._forced = order
         self.begin()
 
@@ -186,7 +185,6 @@ class AnswerFormat:
     header_size = HEADER_SIZE
 
     def __init__(self, checksum_order: OrderChoice = 'auto') -> None:
-        """Accept the given order of checksums, or detect it."""
         self.checksum_order = ChecksumOrder(checksum_order)
         self.expected: Callable[[], Collection[type[TitanAnswer]]] | None = None
         self.begin()
@@ -236,7 +234,6 @@ class RequestFormat:
     header_size = HEADER_SIZE
 
     def __init__(self, checksum_order: OrderChoice = 'auto') -> None:
-        """Accept the given order of checksums, or either."""
         self._order = ChecksumOrder(checksum_order)
 
     def sizes(self, header: bytes) -> tuple[int, ...]:
