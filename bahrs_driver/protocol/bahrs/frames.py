@@ -12,6 +12,7 @@ messages come unpadded or padded, with CRC-32/MPEG-2 as the document has it or t
 of the device maker's own tool. Every variant is understood: the CRC of each frame tells which.
 """
 
+from collections.abc import Collection
 import struct
 from typing import Literal
 
@@ -124,7 +125,11 @@ class BahrsCodec:
         self.layouts_by_header = {HEADER.pack(MARKER, *key): layout
                                   for key, layout in self._layouts.items()}
 
-    def decode(self, frame: Frame) -> BahrsMessage:
+    def expected(self) -> Collection[type[BahrsMessage]]:
+        """Return an empty collection: the device sends without being asked."""
+        return ()
+
+    def decode(self, frame: Frame, _now: int = 0) -> BahrsMessage:
         """Return the message of an intact frame."""
         return self.layouts_by_header[frame.data[:HEADER.size]].decode(frame.data, HEADER.size)
 

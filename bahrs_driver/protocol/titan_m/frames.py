@@ -108,7 +108,11 @@ def answer_of(frame: Frame) -> Answer:
 class AnswerCodec:
     """Takes answers as they come, for recordings, and where somebody else asks."""
 
-    def decode(self, frame: Frame) -> Answer:
+    def expected(self) -> Collection[type[TitanAnswer]]:
+        """Return an empty collection: requests are not known."""
+        return ()
+
+    def decode(self, frame: Frame, _now: int = 0) -> Answer:
         """Return which answer an intact frame is, and what it holds."""
         return answer_of(frame)
 

@@ -1,0 +1,126 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Bytes in, stamped messages out.
+
+    framer (bytes -> frames) -> decoder (frame -> message) -> clock (message -> stamp)
+
+The live reader, the conversion of a recording, the report and the decoder of the command line
+differ in where bytes come from and where messages go. Between the two, all of them use this
+class. It does no I/O, reads no clock and transmits nothing.
+"""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from bahrs_driver.clock.interface import Clock, Instant
+from bahrs_driver.pipeline.events import DecodingFault, Event, Notice
+from bahrs_driver.pipeline.unstamped import Unstamped
+from bahrs_driver.protocol.framing import Frame, Framer, FramingCounters
+
+SAMPLE_SIZE = 256       # bytes kept, to find out which device sends a stream without frames
+NO_INSTANT = Instant(0, 0)
+
+
+class Decoder(Protocol):
+    """Turns frames into messages."""
+
+    def expected(self) -> Collection[Any]:
+        """Return the kinds of messages that were requested and have not arrived."""
+
+    def decode(self, frame: Frame, now: int) -> Any:
+        """
+        Return the message of an intact frame, or None if it has none.
+
+        now is the time of the read that completed the frame, on CLOCK_MONOTONIC_RAW in ns.
+        """
+
+
+@dataclass
+class PipelineCounters:
+    """Counts since the pipeline was made, over all its streams. Any thread may read them."""
+
+    framing: FramingCounters
+    streams: int = 0
+    bytes_received: int = 0
+    last_bytes: bytes = field(default=b'', repr=False)      # the latest SAMPLE_SIZE bytes
+
+
+class Pipeline:
+    """
+    Frames, decodes and stamps the messages of a stream, and of the streams after it.
+
+    Where the bytes are cut makes no difference to messages and their order. One thread uses it.
+    """
+
+    def __init__(self, framer: Framer, decoder: Decoder, clock: Clock | None = None) -> None:
+        """Combine the parts of a device; messages stay unstamped without a clock."""
+        self.counters = PipelineCounters(framer.counters)
+        self._framer = framer
+        self._decoder = decoder
+        self._clock = clock or Unstamped()
+        self._byte_time_ns = 0
+        self._now = NO_INSTANT
+
+    @property
+    def received(self) -> int:
+        """Offset of the next byte: the count of all bytes that were fed."""
+        return self._framer.received
+
+    def open(self, byte_time_ns: int = 0) -> None:      # noqa: A003, the usual name
+        """Begin a stream on a line that needs byte_time_ns for a byte, 0 if that is not known."""
+        self.counters.streams += 1
+        self._framer.flush()                # a stream that was not closed leaves nothing behind
+        self._byte_time_ns = byte_time_ns
+        self._clock.begin(byte_time_ns)
+
+    def feed(self, data: bytes, instant: Instant = NO_INSTANT) -> Sequence[Event]:
+        """
+        Return what the bytes of a read complete: faults, notices, and messages in their order.
+
+        instant is the host's time by which all bytes had arrived; it matters to a clock only. An
+        exception of the decoder is an event. Any other costs the messages that wait for a stamp,
+        and the pipeline may be used again.
+        """
+        counters = self.counters
+        counters.bytes_received += len(data)
+        counters.last_bytes = (counters.last_bytes + data)[-SAMPLE_SIZE:]
+        self._now = instant
+        return self._stamp(self._framer.feed(data))
+
+    def close(self) -> Sequence[Event]:
+        """End the stream; return the events of its incomplete end and the messages held."""
+        return self._stamp(self._framer.flush(), final=True)
+
+    def _stamp(self, frames: Sequence[Frame], final: bool = False) -> Sequence[Event]:
+        messages, faults = self._decode(frames)
+        clock = self._clock
+        try:
+            if not final:
+                clock.read(self._now, self._framer.received)
+            stamped = clock.stamp(messages)
+            if final:
+                stamped += clock.end()
+            notices = clock.take_notices()
+        except Exception:
+            clock.begin(self._byte_time_ns)     # it may have failed on what waits in it
+            raise
+        if faults or notices:
+            return [*faults, *map(Notice, notices), *stamped]
+        return stamped
+
+    def _decode(self, frames: Sequence[Frame]) -> tuple[
+            list[tuple[Any, Frame]], list[DecodingFault]]:
+        decode, now = self._decoder.decode, self._now.raw_ns
+        messages: list[tuple[Any, Frame]] = []
+        faults: list[DecodingFault] = []
+        for frame in frames:
+            try:
+                message = decode(frame, now)
+            except Exception as error:
+                faults.append(DecodingFault(frame, error))
+            else:
+                if message is not None:
+                    messages.append((message, frame))
+        return messages, faults
