@@ -10,13 +10,14 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from bahrs_driver.clock import ClockOptions, Instant, NANOSECONDS, SampleClock, Stamped
+from bahrs_driver.clock import ClockOptions, Instant, SampleClock, Stamped
 from bahrs_driver.protocol.bahrs.messages import Inertial
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.units import NS_PER_S
 from clock_simulation import BYTE_TIME, Case, ORIGIN, Simulation
 
 AVERAGE_WEIGHT = 0.01       # of the latest sample: two seconds back count for little
-WINDOW = 5 * NANOSECONDS
+WINDOW = 5 * NS_PER_S
 
 
 class Stamp(NamedTuple):
@@ -109,4 +110,4 @@ def judged_stamps(simulation: Simulation, now: Instant, stamped: list[Stamped]) 
 
 def _judged(simulation: Simulation, now: Any, frame: Frame, stamp: int) -> Stamp:
     truth = simulation.case.ros(simulation.truths[frame.offset])
-    return Stamp((now.raw_ns - ORIGIN) / NANOSECONDS, (stamp - truth) / 1000, stamp, now.ros_ns)
+    return Stamp((now.raw_ns - ORIGIN) / NS_PER_S, (stamp - truth) / 1000, stamp, now.ros_ns)

@@ -14,7 +14,7 @@ import math
 import random
 from typing import Any, NamedTuple
 
-from bahrs_driver.clock import byte_time_ns, Instant, NANOSECONDS
+from bahrs_driver.clock import Instant
 from bahrs_driver.protocol.bahrs.messages import (
     Accuracy,
     Inertial,
@@ -24,11 +24,12 @@ from bahrs_driver.protocol.bahrs.messages import (
     SyncPulseTime,
 )
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.units import byte_time_ns, NS_PER_S
 
 BYTE_TIME = byte_time_ns(115200)
 PERIOD_US = 5000
-ORIGIN = 5_000 * NANOSECONDS    # the host's raw time when the device is switched on
-ROS_OFFSET = 1_700_000_000 * NANOSECONDS
+ORIGIN = 5_000 * NS_PER_S       # the host's raw time when the device is switched on
+ROS_OFFSET = 1_700_000_000 * NS_PER_S
 FIFO = 8                        # bytes that a plain port gathers
 BURST, IDLE = 8 * 62, 16_000_000        # bytes, and ns after which fewer are handed over
 _SIZES = {Inertial: 28, Navigation: 28, Accuracy: 28, InertialTime: 20, NavigationTime: 20,
@@ -120,7 +121,7 @@ class Simulation:
         coming: deque[OnLine] = deque()
         line = _noted(_line(all_sent or _device(self.case, self._seed)), coming)
         source = random.Random(f'loss {self._seed}')
-        faulty = ORIGIN + min(self.case.faults_until, 1e9) * NANOSECONDS
+        faulty = ORIGIN + min(self.case.faults_until, 1e9) * NS_PER_S
         for time, received in _host(self.case, self._seed, _hand_overs(self.case.adapter, line)):
             messages = []
             while coming and coming[0].offset + coming[0].size <= received:
@@ -149,8 +150,8 @@ def _power_on(case: Case, source: random.Random, begin: float, end: float) -> It
             time, device = time + case.pause, device + round(case.pause * 1e6)
         if time >= end:
             return
-        truth = ORIGIN + round(time * NANOSECONDS)
-        ready = truth + round(case.delay * NANOSECONDS)
+        truth = ORIGIN + round(time * NS_PER_S)
+        ready = truth + round(case.delay * NS_PER_S)
         rate = 1e-6 * (case.drift_ppm + walk
                        + case.temperature_ppm * math.sin(2 * math.pi * time / 600))
         faults = case if time < case.faults_until else replace(case, **_NO_FAULTS)
@@ -161,7 +162,7 @@ def _power_on(case: Case, source: random.Random, begin: float, end: float) -> It
                 yield late.pop()
         if late and count % 7 == 0:
             yield late.popleft()._replace(ready=ready)
-        since = case.ros(truth) % NANOSECONDS       # pulses come at whole seconds of ROS time
+        since = case.ros(truth) % NS_PER_S          # pulses come at whole seconds of ROS time
         if since < PERIOD_US * 1000 and case.pulses[0] <= time < case.pulses[1]:
             at = device - round(since * 1e-3 * (1 + rate))
             yield Sent(ready, SyncPulseTime(pulse % 256, at), truth - since, at * 1000)
@@ -225,7 +226,7 @@ def _hand_overs(adapter: str | float, line: Iterator[OnLine]) -> Iterator[tuple[
     elif adapter == 'packets':
         yield from _bursts(line)
     else:
-        yield from _timed(round(float(adapter) * NANOSECONDS), line)
+        yield from _timed(round(float(adapter) * NS_PER_S), line)
 
 
 def _timed(timer: int, line: Iterator[OnLine]) -> Iterator[tuple[int, int]]:
@@ -270,7 +271,7 @@ def _host(case: Case, seed: int,
 
 def _wake_up(case: Case, source: random.Random, time: int) -> int:
     """Return how late the reader is: 40 us and more, and now and then long."""
-    begin, end = (ORIGIN + bound * NANOSECONDS for bound in case.overload)
+    begin, end = (ORIGIN + bound * NS_PER_S for bound in case.overload)
     if begin <= time < end:
         return round(source.uniform(5e6, 200e6))
     late = 40_000 + source.expovariate(1 / 60_000)

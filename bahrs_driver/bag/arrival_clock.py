@@ -13,11 +13,12 @@ import threading
 from typing import NamedTuple
 
 from bahrs_driver.bag.log_clock import LATEST, LogClock
-from bahrs_driver.clock import Instant, NANOSECONDS
+from bahrs_driver.clock import Instant
 from bahrs_driver.process.host_time import host_instant
+from bahrs_driver.units import NS_PER_S
 
 KEPT = 10                           # settings of the clock under which a message may have come
-OLDEST = 60 * NANOSECONDS           # for how long one may have waited to be taken
+OLDEST = 60 * NS_PER_S              # for how long one may have waited to be taken
 
 
 class Setting(NamedTuple):

@@ -11,8 +11,9 @@ and goes on evenly over one that is set. Stamps of messages are left as they are
 
 from typing import NamedTuple
 
-from bahrs_driver.clock import Instant, NANOSECONDS
+from bahrs_driver.clock import Instant
 from bahrs_driver.clock.host import step_between, step_sentence
+from bahrs_driver.units import NS_PER_S
 
 MOST_STEPS = 20         # that are kept; more are counted
 LATEST = 2 ** 62        # ns; no log time is later, whatever a recording claims
@@ -84,5 +85,5 @@ class LogClock:
         assert self._first
         self.step_count += 1
         if len(self.steps) < MOST_STEPS:
-            seconds = (self._last.log_ns - self._first.log_ns) / NANOSECONDS
+            seconds = (self._last.log_ns - self._first.log_ns) / NS_PER_S
             self.steps.append(Step(seconds, size_ns))

@@ -12,7 +12,10 @@ so that whoever records the topic, by whatever means, keeps the moment of the re
 
 from typing import NamedTuple
 
-END_OF_TIME = (2 ** 31 - 86_400) * 1_000_000_000    # ns; ROS has the seconds in 32 bits
+from bahrs_driver.units import NS_PER_S, ROS_TIME_END_S
+
+
+END_OF_TIME = (ROS_TIME_END_S - 86_400) * NS_PER_S
 TOO_LARGE = 2 ** 63         # for a number in 64 bits
 
 

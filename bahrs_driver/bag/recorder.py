@@ -21,11 +21,11 @@ from bahrs_driver.bag.read_metadata import parse_label
 from bahrs_driver.bag.sequence_count import missed, SequenceCount
 from bahrs_driver.bag.stored_message import RAW_TYPE
 from bahrs_driver.bag.topics import profile, Qos, Topic
-from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.devices.driver_graph import NodeSearch, published
 from bahrs_driver.process.printable import printable
 from bahrs_driver.ros.executor import StoppableExecutor
 from bahrs_driver.ros.node_names import NodeChoice, Selection, split_name
+from bahrs_driver.units import NS_PER_S
 import rclpy
 from rclpy.clock import Clock, ClockType
 from rclpy.qos import (
@@ -42,7 +42,7 @@ FAST_SEARCH, SLOW_SEARCH = 0.02, 0.2
 SETTLED = 2.0               # s without another topic, after which the slow search begins
 DISCOVERY = 10.0            # s within which a node that is there before us is found
 # For how long a message may be overtaken by others, in ns: by the delays that were seen.
-LEAST_HOLD, LONGEST_HOLD = NANOSECONDS // 10, NANOSECONDS * 7 // 10
+LEAST_HOLD, LONGEST_HOLD = NS_PER_S // 10, NS_PER_S * 7 // 10
 RAW = 'raw'
 NEVER_RECORDED = ('parameter_events',)
 
@@ -156,7 +156,7 @@ class Recorder:
         self._look_again(FAST_SEARCH if now < self._found + SETTLED else SLOW_SEARCH)
 
     def _look_again(self, period: float) -> None:
-        nanoseconds = round(period * NANOSECONDS)
+        nanoseconds = round(period * NS_PER_S)
         if self._timer.timer_period_ns != nanoseconds:
             self._timer.timer_period_ns = nanoseconds
 
@@ -207,7 +207,7 @@ def _read_time(data: bytes) -> int | None:
 
 def _profile(qos: QoSProfile) -> Qos:
     def duration(value: Any) -> Qos:
-        seconds, nanoseconds = divmod(value.nanoseconds, NANOSECONDS)
+        seconds, nanoseconds = divmod(value.nanoseconds, NS_PER_S)
         return {'sec': seconds, 'nsec': nanoseconds}
 
     return profile(

@@ -23,6 +23,7 @@ from bahrs_driver.process.printable import printable
 from bahrs_driver.reprocess.conversion import Conversion, Outcome
 from bahrs_driver.reprocess.outputs import BagOutput, CsvOutput
 from bahrs_driver.transport.link import Link
+from bahrs_driver.units import NS_PER_S
 from rich.progress import TaskID
 
 
@@ -123,7 +124,7 @@ def _convert(options: argparse.Namespace, conversion: Conversion, capture: Captu
 def _report(options: argparse.Namespace, notes: list[str], outcome: Outcome) -> None:
     for note in notes:
         print(f'bahrs convert: {note}', file=sys.stderr)
-    seconds = (outcome.last_ns - outcome.first_ns) / 1e9
+    seconds = (outcome.last_ns - outcome.first_ns) / NS_PER_S
     if options.json:
         print(json.dumps({**outcome._asdict(), 'output': options.output, 'notes': notes}))
     else:
@@ -145,4 +146,4 @@ def _time(text: str) -> int:
         seconds = (time if time.tzinfo else time.replace(tzinfo=timezone.utc)).timestamp()
     if not 0 <= seconds < 2 ** 31:
         raise argparse.ArgumentTypeError(f'{text!r} is before 1970 or after 2038')
-    return round(seconds * 1e9)
+    return round(seconds * NS_PER_S)

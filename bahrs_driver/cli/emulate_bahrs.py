@@ -15,6 +15,7 @@ from bahrs_driver.emulator.noise import Noise
 from bahrs_driver.emulator.truth_file import HostTime
 from bahrs_driver.protocol.bahrs.messages import VERSIONS
 from bahrs_driver.protocol.bahrs.nvm_session import PAGES
+from bahrs_driver.units import NS_PER_S
 from bahrs_driver.virtual_serial.texts import whole
 
 
@@ -31,7 +32,7 @@ def make_device(options: argparse.Namespace, motion: Motion, noise: Noise,
         options.protocol_version, options.crc, options.time_label, options.start_up,
         options.debug_rate, options.output_delay / 1000, _service(options))
     clock = DeviceClock(options.seed, options.drift_ppm, options.wander_ppm, options.clock_start)
-    pulses = Pulses(options.sync_pulse_rate, origin=-(zero.unix_ns % 10 ** 9) / 1e9)
+    pulses = Pulses(options.sync_pulse_rate, origin=-(zero.unix_ns % NS_PER_S) / NS_PER_S)
     return BahrsDevice(habits, motion, noise, clock, pulses)
 
 

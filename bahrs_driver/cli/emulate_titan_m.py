@@ -5,7 +5,6 @@
 import argparse
 
 from bahrs_driver.cli.arguments import a_number, checked
-from bahrs_driver.clock import BITS_PER_BYTE
 from bahrs_driver.emulator.ground_path import GroundPath
 from bahrs_driver.emulator.motion import Motion
 from bahrs_driver.emulator.noise import Noise
@@ -13,6 +12,7 @@ from bahrs_driver.emulator.titan_m.device import TitanDevice, TitanHabits
 from bahrs_driver.emulator.titan_m.measurements import TitanMeasures, WEEK_MS
 from bahrs_driver.emulator.truth_file import HostTime
 from bahrs_driver.protocol.titan_m.messages import Gps, Sensors, State
+from bahrs_driver.units import BITS_PER_BYTE
 from bahrs_driver.virtual_serial.texts import number, whole
 
 START = (47.2603, 11.3439)          # degrees; a runway in the mountains

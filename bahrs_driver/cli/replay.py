@@ -14,13 +14,13 @@ from bahrs_driver.bag.read_capture import read_capture
 from bahrs_driver.cli.arguments import a_number, checked, positive
 from bahrs_driver.cli.files import binary_input, STANDARD_INPUT
 from bahrs_driver.cli.sensors import sensor_of
-from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.errors import CommandError, WriteError
 from bahrs_driver.files.guard import reason
 from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.bahrs.frames import BahrsFormat
 from bahrs_driver.protocol.framing import FrameFormat, Framer
 from bahrs_driver.protocol.titan_m.frames import AnswerFormat
+from bahrs_driver.units import NS_PER_S
 from bahrs_driver.virtual_serial.cable import adapter_mode, AT_ONCE, Cable
 from bahrs_driver.virtual_serial.faults import Faults, NAMES as FAULTS, parse_fault
 from bahrs_driver.virtual_serial.pacing import paced, Piece, through
@@ -127,7 +127,7 @@ def _timed(capture: Capture) -> Iterator[Piece]:
     for data, read_at, raw_at, _ in capture.chunks():
         at = log_clock.observe(read_at or 0, raw_at).raw_ns
         first = at if first is None else first
-        yield (at - first) / NANOSECONDS, data
+        yield (at - first) / NS_PER_S, data
     capture.notes.extend(log_clock.sentences())
 
 

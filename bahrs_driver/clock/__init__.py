@@ -16,8 +16,7 @@ from bahrs_driver.clock.exchange import ExchangeClock
 from bahrs_driver.clock.interface import Clock, Instant, Stamped, TimeState
 from bahrs_driver.clock.options import ClockOptions
 from bahrs_driver.clock.sample_clock import SampleClock
-from bahrs_driver.units import BITS_PER_BYTE, byte_time_ns, NANOSECONDS
 
 __all__ = [
-    'ArrivalClock', 'ArrivalStamps', 'BITS_PER_BYTE', 'Clock', 'ClockOptions', 'ExchangeClock',
-    'Instant', 'NANOSECONDS', 'SampleClock', 'Stamped', 'TimeState', 'byte_time_ns']
+    'ArrivalClock', 'ArrivalStamps', 'Clock', 'ClockOptions', 'ExchangeClock', 'Instant',
+    'SampleClock', 'Stamped', 'TimeState']

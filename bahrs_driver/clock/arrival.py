@@ -13,7 +13,7 @@ from bahrs_driver.clock.host import HostClocks, step_sentence
 from bahrs_driver.clock.interface import Instant, Stamped, TimeState
 from bahrs_driver.clock.notices import Notices
 from bahrs_driver.protocol.framing import Frame
-from bahrs_driver.units import NANOSECONDS
+from bahrs_driver.units import NS_PER_S
 
 
 class ArrivalClock:
@@ -25,7 +25,7 @@ class ArrivalClock:
     by more than a second is followed backward.
     """
 
-    _SET_BACK = NANOSECONDS
+    _SET_BACK = NS_PER_S
 
     def __init__(self, byte_time: int) -> None:
         """Take the time of one byte on the line, in nanoseconds."""
@@ -93,4 +93,4 @@ class ArrivalStamps:
     def state(self) -> TimeState:
         """Return that stamps are arrivals."""
         return TimeState('arrival', 'arrival', host_steps=self._host.steps,
-                         last_host_step_s=self._host.last_step_ns / NANOSECONDS)
+                         last_host_step_s=self._host.last_step_ns / NS_PER_S)

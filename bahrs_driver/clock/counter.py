@@ -11,13 +11,12 @@ a silence that may have been a turn of the counter, mean that only a time messag
 
 from dataclasses import dataclass
 
-from bahrs_driver.units import MILLISECOND, NANOSECONDS
+from bahrs_driver.units import COUNTER_MODULUS, NS_PER_MS, NS_PER_S
 
-MODULUS = 256
-PERIOD = 5 * MILLISECOND        # nominal, from one inertial sample to the next
-LONGEST_SILENCE = 4 * NANOSECONDS // 10     # less than a device takes to start
+PERIOD = 5 * NS_PER_MS          # nominal, from one inertial sample to the next
+LONGEST_SILENCE = 4 * NS_PER_S // 10        # less than a device takes to start
 FAR = 20                        # samples; if more are missing, so is a time message
-SLACK = NANOSECONDS // 10       # what a bound may be late by
+SLACK = NS_PER_S // 10          # what a bound may be late by
 DOUBTS = 3                      # counters in a row that make no sense
 
 
@@ -30,8 +29,8 @@ class CountedSequence:
 
     def nearest(self, sequence: int) -> int:
         """Return the count of the sample with a counter that is nearest to this one."""
-        half = MODULUS // 2
-        return self.count + (sequence - self.sequence + half) % MODULUS - half
+        half = COUNTER_MODULUS // 2
+        return self.count + (sequence - self.sequence + half) % COUNTER_MODULUS - half
 
 
 class SampleCounter:
@@ -55,7 +54,7 @@ class SampleCounter:
     @property
     def latest(self) -> CountedSequence:
         """Count of the latest sample, and its counter or what it should have been."""
-        sequence = (self._sequence + self.count - self._trusted) % MODULUS
+        sequence = (self._sequence + self.count - self._trusted) % COUNTER_MODULUS
         return CountedSequence(self.count, sequence)
 
     def silence_before(self, bound: int) -> bool:
@@ -64,17 +63,18 @@ class SampleCounter:
 
     def may_have_turned(self, sequence: int, latest: int | None) -> bool:
         """Whether the highest count that a frame can have leaves room for a turn that was lost."""
-        ahead = (sequence - self._sequence) % MODULUS
-        return latest is not None and self._trusted + ahead + MODULUS <= latest
+        ahead = (sequence - self._sequence) % COUNTER_MODULUS
+        return latest is not None and self._trusted + ahead + COUNTER_MODULUS <= latest
 
     def far(self, sequence: int, bound: int, latest: int | None) -> bool:
         """Whether so many samples are missing that it may be another counter that goes on."""
-        ahead = (sequence - self._sequence) % MODULUS
+        ahead = (sequence - self._sequence) % COUNTER_MODULUS
         return self.started and ahead > FAR and self._trusted + ahead <= self._limit(bound, latest)
 
     def follow(self, sequence: int, bound: int) -> bool:
         """Take the next frame if it follows on the latest, as nearly all do; return whether."""
-        if self._doubts or sequence != (self._sequence + 1) % MODULUS or self._sequence < 0:
+        if not self.started or self._doubts or (
+                sequence != (self._sequence + 1) % COUNTER_MODULUS):
             return False
         self._before = self._sequence, self._trusted
         self._sequence = sequence
@@ -92,7 +92,7 @@ class SampleCounter:
         """
         latest = self._limit(bound, latest)
         self._bound = bound
-        ahead = (sequence - self._sequence) % MODULUS
+        ahead = (sequence - self._sequence) % COUNTER_MODULUS
         if not self.started:
             self._trust(sequence, 0, bound)
         elif ahead and self._trusted + ahead <= latest:
@@ -111,8 +111,8 @@ class SampleCounter:
 
     def expect(self, sequence: int, bound: int) -> None:
         """Go on as if the frame before that with this counter had come."""
-        ahead = (sequence - self._sequence) % MODULUS or MODULUS
-        self._trust((sequence - 1) % MODULUS, self._trusted + ahead - 1, bound)
+        ahead = (sequence - self._sequence) % COUNTER_MODULUS or COUNTER_MODULUS
+        self._trust((sequence - 1) % COUNTER_MODULUS, self._trusted + ahead - 1, bound)
         self._before = -1, 0
         self._bound = bound
 
@@ -137,7 +137,7 @@ class SampleCounter:
     def _retrust(self, sequence: int, bound: int) -> bool:
         """See whether the latest counter was the damaged one, for this follows the one before."""
         before, count = self._before
-        if before < 0 or self._doubts or (sequence - before) % MODULUS != 2:
+        if before < 0 or self._doubts or (sequence - before) % COUNTER_MODULUS != 2:
             return False
         self.rejected += 1
         self._trust(sequence, count + 2, bound)

@@ -14,9 +14,9 @@ from bahrs_driver.clock.counter import SampleCounter
 from bahrs_driver.clock.labels import Label, LabelReading
 from bahrs_driver.clock.navigation import NavigationCounter, PER_NAVIGATION
 from bahrs_driver.clock.timeline import Timeline
-from bahrs_driver.units import MILLISECOND, NANOSECONDS
+from bahrs_driver.units import NS_PER_MS, NS_PER_S
 
-EARLIEST, LATEST = -3 * MILLISECOND, NANOSECONDS    # lateness of a sample of the same clock
+EARLIEST, LATEST = -3 * NS_PER_MS, NS_PER_S         # lateness of a sample of the same clock
 
 
 class Verdict(Enum):

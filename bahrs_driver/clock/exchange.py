@@ -19,7 +19,7 @@ from bahrs_driver.clock.interface import Instant, Stamped, TimeState
 from bahrs_driver.clock.notices import Notices
 from bahrs_driver.clock.slewer import Output
 from bahrs_driver.protocol.framing import Frame
-from bahrs_driver.units import MICROSECOND, NANOSECONDS
+from bahrs_driver.units import NS_PER_S, NS_PER_US
 
 REMEMBERED = 99         # answers, and reads
 
@@ -83,9 +83,9 @@ class ExchangeClock:
         in_use = 'arrival' if self._arrivals and not self._halves else 'exchange'
         return TimeState(
             'exchange', in_use, settled=bool(self._halves),
-            spread_us=median_low(self._halves) / MICROSECOND if self._halves else 0.0,
+            spread_us=median_low(self._halves) / NS_PER_US if self._halves else 0.0,
             arrival_stamps=self._arrivals, host_steps=self._host.steps,
-            last_host_step_s=self._host.last_step_ns / NANOSECONDS,
+            last_host_step_s=self._host.last_step_ns / NS_PER_S,
             median_chunk=median_low(self._chunks) if self._chunks else 0)
 
     def _stamp_of(self, message: Any, frame: Frame) -> int:

@@ -8,15 +8,15 @@ in at the very end, so that doing so to it costs nothing.
 """
 
 from bahrs_driver.clock.interface import Instant
-from bahrs_driver.units import MILLISECOND, NANOSECONDS
+from bahrs_driver.units import NS_PER_MS, NS_PER_S
 
-STEP = MILLISECOND / 2      # ns; a change above this, and above the fastest slew, is a step
+STEP = NS_PER_MS / 2        # ns; a change above this, and above the fastest slew, is a step
 FASTEST_SLEW = 0.1          # what chrony and adjtime do is below
 
 
 def step_sentence(step: int) -> str:
     """Return a sentence for the user about a step of ROS time by so many ns."""
-    return f"the host's clock was set by {step / NANOSECONDS:+.6f} s"
+    return f"the host's clock was set by {step / NS_PER_S:+.6f} s"
 
 
 def step_between(earlier: Instant, later: Instant) -> int:

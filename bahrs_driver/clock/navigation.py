@@ -11,7 +11,8 @@ a row have agreed, only another five in a row change it.
 
 from collections import deque
 
-from bahrs_driver.clock.counter import CountedSequence, MODULUS
+from bahrs_driver.clock.counter import CountedSequence
+from bahrs_driver.units import COUNTER_MODULUS
 
 PER_NAVIGATION = 2
 WITNESSES = 5
@@ -28,7 +29,7 @@ class NavigationCounter:
 
     def pair(self, navigation: int, inertial: int) -> None:
         """Take the counter of a navigation message and of the latest inertial one."""
-        self._recent.append((inertial - PER_NAVIGATION * navigation) % MODULUS)
+        self._recent.append((inertial - PER_NAVIGATION * navigation) % COUNTER_MODULUS)
         frequent = max(self._recent, key=self._recent.count)
         unanimous = self._recent.count(frequent) == WITNESSES
         if unanimous or not self._certain:

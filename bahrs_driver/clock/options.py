@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from bahrs_driver.clock.labels import Label
-from bahrs_driver.units import NANOSECONDS
+from bahrs_driver.units import NS_PER_S
 
 
 @dataclass(frozen=True)
@@ -16,6 +16,6 @@ class ClockOptions:
     source: Literal['device', 'sync_pulse'] = 'device'
     label: Label = 'auto'
     fixed_latency: int = 0
-    pulse_period: int = NANOSECONDS
+    pulse_period: int = NS_PER_S
     pulse_times_told: bool = False      # rather than whole periods of ROS time
     most_held: int = 60                 # inertial samples that may wait for device time

@@ -38,9 +38,9 @@ from bahrs_driver.protocol.bahrs.messages import (
     SyncPulseTime,
 )
 from bahrs_driver.protocol.framing import Frame
-from bahrs_driver.units import MICROSECOND, NANOSECONDS
+from bahrs_driver.units import NS_PER_S, NS_PER_US
 
-SETTLING = 2 * NANOSECONDS          # after which an epoch is the rule, and its end worth a word
+SETTLING = 2 * NS_PER_S             # after which an epoch is the rule, and its end worth a word
 CHUNKS = 99             # reads whose size is remembered
 
 
@@ -178,7 +178,7 @@ class SampleClock:
 
     def _time(self, count_of: Callable[[int], int | None], item: Held) -> None:
         message, was_known = item.message, self._device.known
-        item.device = time = message.device_time_us * MICROSECOND
+        item.device = time = message.device_time_us * NS_PER_US
         count = count_of(message.reference_sequence)
         if count is None:
             return
@@ -192,7 +192,7 @@ class SampleClock:
             self._feed_held()
 
     def _pulse(self, item: Held) -> None:
-        device: int = item.message.device_time_us * MICROSECOND
+        device: int = item.message.device_time_us * NS_PER_US
         item.device = device
         self._pulses.take(device)
 
@@ -284,14 +284,14 @@ class SampleClock:
         return TimeState(
             source=self._options.source, in_use=in_use, label=device.labels.reading,
             settled=known, held=len(self._held), offset_ns=offset,
-            skew_ppm=tracker.skew * 1e6, spread_us=tracker.spread / MICROSECOND,
-            period_us=period and period / MICROSECOND, epochs=self._epochs,
+            skew_ppm=tracker.skew * 1e6, spread_us=tracker.spread / NS_PER_US,
+            period_us=period and period / NS_PER_US, epochs=self._epochs,
             rejected_samples=tracker.rejected, rejected_time_messages=device.rejected,
             rejected_counters=device.counter.rejected, arrival_stamps=self._stamper.arrivals,
             dropped=self._stamper.dropped, host_steps=self._host.steps,
-            last_host_step_s=self._host.last_step_ns / NANOSECONDS,
+            last_host_step_s=self._host.last_step_ns / NS_PER_S,
             pulses=pulses.tracker.accepted, pulses_spurious=pulses.tracker.spurious,
             pulses_missing=pulses.tracker.missing,
             pulse_delay_us=None if pulses.delay.value is None
-            else pulses.delay.value / MICROSECOND,
+            else pulses.delay.value / NS_PER_US,
             median_chunk=median_low(self._chunks) if self._chunks else 0)

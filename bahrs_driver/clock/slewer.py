@@ -11,11 +11,11 @@ pulse, goes on the same line and is in order with its own kind.
 
 from bahrs_driver.clock.host import HostClocks
 from bahrs_driver.clock.interface import Instant
-from bahrs_driver.units import MILLISECOND, NANOSECONDS
+from bahrs_driver.units import NS_PER_MS, NS_PER_S
 
 SLEW, FIRST_SLEW = 500e-6, 0.1
-FIRST_SPAN = 3 * NANOSECONDS
-IMPOSSIBLE = MILLISECOND            # after its own read
+FIRST_SPAN = 3 * NS_PER_S
+IMPOSSIBLE = NS_PER_MS              # after its own read
 
 
 class Output:

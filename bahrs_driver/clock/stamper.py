@@ -20,10 +20,10 @@ from bahrs_driver.clock.interface import Instant
 from bahrs_driver.clock.slewer import IMPOSSIBLE, Output
 from bahrs_driver.clock.sync_pulses import SyncPulses
 from bahrs_driver.protocol.bahrs.messages import Inertial, SyncPulseTime
-from bahrs_driver.units import MILLISECOND, NANOSECONDS
+from bahrs_driver.units import NS_PER_MS, NS_PER_S
 
-LONGEST_AGO = 10 * NANOSECONDS      # the oldest time that a message may have
-SAME = MILLISECOND      # device times that differ by less are of one sample
+LONGEST_AGO = 10 * NS_PER_S         # the oldest time that a message may have
+SAME = NS_PER_MS        # device times that differ by less are of one sample
 
 
 @dataclass(frozen=True, slots=True)

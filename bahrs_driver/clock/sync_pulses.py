@@ -8,11 +8,11 @@ from bahrs_driver.clock.estimation.pulses import (
     DelayEstimate, PENDING, PulseReference, PulseTracker)
 from bahrs_driver.clock.estimation.tracker import Tracker
 from bahrs_driver.clock.host import HostClocks
-from bahrs_driver.units import MILLISECOND
+from bahrs_driver.units import NS_PER_MS
 
 # What a pulse can say of the delay of the fastest samples. They are never early, and a pulse that
 # says so, or that they are very late, is not the one that it was taken for.
-EARLIEST, LATEST = -MILLISECOND, 100 * MILLISECOND
+EARLIEST, LATEST = -NS_PER_MS, 100 * NS_PER_MS
 
 
 class SyncPulses:

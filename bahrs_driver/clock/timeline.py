@@ -10,11 +10,11 @@ five seconds, as long as it is within 3 % of the nominal one.
 from collections import deque
 
 from bahrs_driver.clock.counter import PERIOD
-from bahrs_driver.units import MICROSECOND
+from bahrs_driver.units import NS_PER_US
 
 HISTORY = 51                    # time messages, ten a second
 PERIOD_TOLERANCE = 0.03
-JITTER = 200 * MICROSECOND      # of a time message
+JITTER = 200 * NS_PER_US        # of a time message
 
 
 class Timeline:

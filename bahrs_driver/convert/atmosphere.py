@@ -7,13 +7,14 @@ A pressure height is by definition the height at which the standard atmosphere h
 static pressure, so the pressure follows from it exactly, whatever the weather.
 """
 
+from bahrs_driver.units import STANDARD_GRAVITY
+
 SEA_LEVEL_PRESSURE = 101325.0       # Pa
 SEA_LEVEL_TEMPERATURE = 288.15      # K
 LAPSE_RATE = 0.0065                 # K/m
-GRAVITY = 9.80665                   # m/s^2
 GAS_CONSTANT = 287.05287            # J/(kg K), of dry air
 
-_EXPONENT = GRAVITY / (GAS_CONSTANT * LAPSE_RATE)
+_EXPONENT = STANDARD_GRAVITY / (GAS_CONSTANT * LAPSE_RATE)
 
 
 def pressure(height: float) -> float:
@@ -31,4 +32,4 @@ def pressure_height(static_pressure: float) -> float:
 def pressure_gradient(height: float) -> float:
     """Return how the static pressure changes with height, in Pa/m (negative)."""
     temperature = SEA_LEVEL_TEMPERATURE - LAPSE_RATE * height
-    return -pressure(height) * GRAVITY / (GAS_CONSTANT * temperature)
+    return -pressure(height) * STANDARD_GRAVITY / (GAS_CONSTANT * temperature)

@@ -2,12 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """ROS messages from plain numbers; the only knowledge of message fields there is."""
 
-from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.convert import covariance
 from bahrs_driver.convert.axes import NO_ROTATION, Quaternion
 from bahrs_driver.convert.covariance import Matrix
 from bahrs_driver.convert.utm import Place
 from bahrs_driver.protocol.layout import Vector
+from bahrs_driver.units import NS_PER_S, US_PER_S
 from geometry_msgs.msg import (
     Point,
     PoseWithCovarianceStamped,
@@ -21,7 +21,6 @@ from sensor_msgs.msg import (
 )
 from std_msgs.msg import Float64, Header
 
-MICROSECONDS = 1_000_000
 _NAN = float('nan')
 NO_VECTOR: Vector = (_NAN, _NAN, _NAN)
 _Z = 2
@@ -29,13 +28,13 @@ _Z = 2
 
 def nanoseconds(header: Header) -> int:
     """Return the stamp of a foreign header. It may be any, and rclpy.time.Time raises for some."""
-    return int(header.stamp.sec * NANOSECONDS + header.stamp.nanosec)
+    return int(header.stamp.sec * NS_PER_S + header.stamp.nanosec)
 
 
 def header(stamp_ns: int, frame_id: str) -> Header:
     """Return a header; stamp_ns is in nanoseconds since the epoch."""
     message = Header(frame_id=frame_id)
-    message.stamp.sec, message.stamp.nanosec = divmod(stamp_ns, NANOSECONDS)
+    message.stamp.sec, message.stamp.nanosec = divmod(stamp_ns, NS_PER_S)
     return message
 
 
@@ -146,7 +145,7 @@ def temperature(head: Header, celsius: float, stddev: float) -> Temperature:
 def time_reference(head: Header, reference_us: int, source: str) -> TimeReference:
     """Return another clock's time, in microseconds, beside the header's."""
     message = TimeReference(header=head, source=source)
-    seconds, rest = divmod(reference_us, MICROSECONDS)
+    seconds, rest = divmod(reference_us, US_PER_S)
     message.time_ref.sec, message.time_ref.nanosec = seconds, 1000 * rest
     return message
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import math
 from typing import Any
 
-from bahrs_driver.clock import ArrivalStamps, Clock, ClockOptions, NANOSECONDS, SampleClock
+from bahrs_driver.clock import ArrivalStamps, Clock, ClockOptions, SampleClock
 from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.bahrs.converter import BahrsConverter, BahrsOptions, LATCHED, TOPICS
 from bahrs_driver.convert.bahrs.integrity_policy import Appraisal
@@ -16,6 +16,7 @@ from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.nvm_reader import NvmReader
+from bahrs_driver.units import NS_PER_S
 
 ROS_CLOCK = 'ros_clock'
 SILENCE_HINT = ('is the device powered, and is its line connected? A Titan-M sends nothing unless '
@@ -41,12 +42,12 @@ def bahrs(settings: Mapping[str, Any], link: Link) -> Sensor:
 
 
 def _clock(settings: Mapping[str, Any]) -> Clock:
-    source, latency = settings['time.source'], round(settings['time.fixed_latency'] * NANOSECONDS)
+    source, latency = settings['time.source'], round(settings['time.fixed_latency'] * NS_PER_S)
     if source == 'arrival':
         return ArrivalStamps(latency)
     return SampleClock(ClockOptions(
         source, settings['time.label'], latency,
-        round(settings['time.sync_pulse.period'] * NANOSECONDS),
+        round(settings['time.sync_pulse.period'] * NS_PER_S),
         settings['time.sync_pulse.reference'] != ROS_CLOCK))
 
 

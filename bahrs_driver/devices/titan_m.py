@@ -6,9 +6,7 @@ from collections.abc import Iterator, Mapping
 import math
 from typing import Any
 
-from bahrs_driver.clock import (
-    ArrivalStamps, byte_time_ns, Clock, ExchangeClock, NANOSECONDS,
-)
+from bahrs_driver.clock import ArrivalStamps, Clock, ExchangeClock
 from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.titan_m.converter import (
     LATCHED, TitanConverter, TitanDeviations, TitanOptions, TOPICS,
@@ -25,6 +23,7 @@ from bahrs_driver.protocol.titan_m.messages import (
 from bahrs_driver.protocol.titan_m.poller import Poller, PollOptions
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.requester import Requester
+from bahrs_driver.units import byte_time_ns, NS_PER_S
 
 SILENCE_HINT = 'is the device powered, are both of its lines connected, and is {} its baud rate?'
 UNASKED_HINT = ('nothing is asked, as state.rate, gps.rate and sensors.rate are 0, and another '
@@ -40,7 +39,7 @@ def titan_m(settings: Mapping[str, Any], link: Link) -> Sensor:
     rates = _rates(settings)
     poller = Poller(rates, frame_format, PollOptions(
         pipelined=settings['request.pipelined'],
-        timeout=round(settings['request.timeout'] * NANOSECONDS),
+        timeout=round(settings['request.timeout'] * NS_PER_S),
         retries=settings['request.retries'],
         counted_ids=settings['request.message_id'] == 'counted',
         checksum_order=settings['checksum_order']))
@@ -81,7 +80,7 @@ def _rates(settings: Mapping[str, Any]) -> dict[type[TitanRequest], float]:
 
 
 def _clock(settings: Mapping[str, Any]) -> Clock:
-    latency = round(settings['time.fixed_latency'] * NANOSECONDS)
+    latency = round(settings['time.fixed_latency'] * NS_PER_S)
     if settings['time.source'] == 'arrival':
         return ArrivalStamps(latency)
     return ExchangeClock(REQUEST_SIZE, latency)
@@ -96,7 +95,7 @@ def _warnings(settings: Mapping[str, Any],
         yield ('parameters state.rate, gps.rate and sensors.rate are all 0: the device is asked '
                'nothing, and what it says to somebody else is taken')
     use = sum(rate * answer_size(kind.ANSWER) for kind, rate in rates.items()) \
-        * byte_time_ns(settings['baud_rate']) / NANOSECONDS
+        * byte_time_ns(settings['baud_rate']) / NS_PER_S
     if use > 1:
         yield (f'parameters state.rate, gps.rate and sensors.rate ask for {use:.0%} of what the '
                f"line carries at {settings['baud_rate']} baud: the rates will be lower")

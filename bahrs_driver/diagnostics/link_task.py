@@ -4,12 +4,12 @@
 
 from collections.abc import Callable, Mapping
 
-from bahrs_driver.clock import BITS_PER_BYTE
 from bahrs_driver.diagnostics.sharing_watch import SharingWatch
 from bahrs_driver.diagnostics.task import ago, ERROR, OK, Verdict
 from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.receiver import LinkCounters
+from bahrs_driver.units import BITS_PER_BYTE
 
 
 class LinkTask:

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
-COUNTER_MODULUS = 256
+from bahrs_driver.units import COUNTER_MODULUS
 
 
 class Losses(Protocol):

@@ -10,6 +10,7 @@ from bahrs_driver.diagnostics.task import (
 from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.protocol.titan_m.messages import REQUESTS
 from bahrs_driver.protocol.titan_m.poller import Poller, UNANSWERED
+from bahrs_driver.units import NS_PER_MS
 
 SLOW_NS = 10_000_000        # from a request to its answer, beyond their time on the line
 
@@ -69,7 +70,7 @@ class RequestsTask:
         return {
             **found,
             'Turns left out': str(poller.skipped),
-            'Slowest answer [ms]': 'unknown' if slowest is None else f'{slowest / 1e6:.1f}',
+            'Slowest answer [ms]': 'unknown' if slowest is None else f'{slowest / NS_PER_MS:.1f}',
             'Checksum byte order of requests': poller.checksum_order,
             'Message ids come back': 'yes' if poller.returns_ids else 'not seen',
         }

@@ -5,7 +5,7 @@
 import math
 import random
 
-MICROSECONDS = 1_000_000
+from bahrs_driver.units import US_PER_S
 
 
 class DeviceClock:
@@ -33,15 +33,15 @@ class DeviceClock:
     def advance(self, duration_us: int) -> None:
         """Let the reading go on by this much, and true time with it."""
         self.reading_us += duration_us
-        seconds = duration_us / MICROSECONDS
+        seconds = duration_us / US_PER_S
         self.time += seconds / self._rate
         if self._wander_ppm:
             self._walk_ppm += self._gauss(0.0, self._wander_ppm * math.sqrt(seconds))
 
     def reading_at(self, time: float) -> int:
         """Return what the clock reads at a true time close to the present."""
-        return self.reading_us + round((time - self.time) * self._rate * MICROSECONDS)
+        return self.reading_us + round((time - self.time) * self._rate * US_PER_S)
 
     @property
     def _rate(self) -> float:
-        return 1 + (self.drift_ppm + self._walk_ppm) / MICROSECONDS
+        return 1 + (self.drift_ppm + self._walk_ppm) / 1e6

@@ -19,8 +19,8 @@ import math
 from typing import NamedTuple, Protocol
 
 from bahrs_driver.protocol.layout import Vector
+from bahrs_driver.units import STANDARD_GRAVITY
 
-GRAVITY = 9.80665           # m/s^2
 TURN = 2 * math.pi
 
 
@@ -116,7 +116,7 @@ def truth(speed: Change, climb: Change, track: Change, wings: Change, height: fl
     axes = math.sin(roll), math.cos(roll), math.sin(pitch), math.cos(pitch)
     # Level axes: forward along the track, right, down.
     force = _to_body(
-        (speed.first, speed.value * track.first, -climb.first - GRAVITY), axes)
+        (speed.first, speed.value * track.first, -climb.first - STANDARD_GRAVITY), axes)
     p, q, r = _to_body((0.0, 0.0, track.first), axes)
     rate = (p + roll_rate, q + axes[1] * pitch_rate, r - axes[0] * pitch_rate)
     return Truth(
@@ -126,8 +126,8 @@ def truth(speed: Change, climb: Change, track: Change, wings: Change, height: fl
 
 def _coordinated(speed: Change, track: Change) -> Change:
     """Return the bank, with its rate, at which a turn pulls nobody sideways."""
-    ratio = speed.value * track.first / GRAVITY
-    ratio_rate = (speed.first * track.first + speed.value * track.second) / GRAVITY
+    ratio = speed.value * track.first / STANDARD_GRAVITY
+    ratio_rate = (speed.first * track.first + speed.value * track.second) / STANDARD_GRAVITY
     return Change(math.atan(ratio), ratio_rate / (1 + ratio * ratio))
 
 

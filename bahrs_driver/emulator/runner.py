@@ -9,11 +9,11 @@ import select
 import time
 from typing import Protocol
 
-from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.emulator.session import Session
 from bahrs_driver.emulator.truth_file import HostTime
 from bahrs_driver.errors import ControlError
 from bahrs_driver.process.host_time import SystemTime
+from bahrs_driver.units import NS_PER_S
 from bahrs_driver.virtual_serial.pty_port import PtyPort
 
 _LONGEST_WAIT = 0.1     # s
@@ -118,7 +118,7 @@ class PacedRun:
         self.close()
 
     def _now(self) -> float:
-        return (time.monotonic_ns() - self._zero_ns) / NANOSECONDS
+        return (time.monotonic_ns() - self._zero_ns) / NS_PER_S
 
     def _move_on(self, session: Session, now: float, ready: set[int]) -> None:
         zero = self.host_time()

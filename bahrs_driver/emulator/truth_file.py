@@ -5,8 +5,8 @@
 import json
 from typing import NamedTuple, Protocol
 
-from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.emulator.emulation import Sent
+from bahrs_driver.units import NS_PER_S
 
 _FLUSH_PERIOD = 0.5         # s, after which others can read what was written
 
@@ -57,7 +57,7 @@ class TruthFile:
 
     def _write(self, head: dict[str, object], time: float, zero: HostTime,
                values: dict[str, object]) -> None:
-        since = round(time * NANOSECONDS)
+        since = round(time * NS_PER_S)
         self._file.write(json.dumps({
             **head, 'host_monotonic_ns': zero.monotonic_ns + since,
             'host_unix_ns': zero.unix_ns + since, **values}) + '\n')

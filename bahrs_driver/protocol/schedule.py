@@ -5,7 +5,9 @@
 from collections.abc import Mapping
 from typing import Generic, TypeVar
 
-SECOND = 1_000_000_000
+from bahrs_driver.units import NS_PER_S
+
+
 CATCH_UP = 5            # periods that may be made up for; beyond, turns are skipped
 
 Kind = TypeVar('Kind')
@@ -16,7 +18,7 @@ class Schedule(Generic[Kind]):
 
     def __init__(self, rates: Mapping[Kind, float]) -> None:
         """Take a rate in Hz for each kind; 0 is never. Of two due at once the former is first."""
-        self._periods = {kind: round(SECOND / rate) for kind, rate in rates.items() if rate}
+        self._periods = {kind: round(NS_PER_S / rate) for kind, rate in rates.items() if rate}
         self._due: dict[Kind, int] = {}
         self.skipped = 0            # turns that could not be made up for
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from bahrs_driver.clock.host import FASTEST_SLEW, STEP
 from bahrs_driver.report.gather import Recording
 from bahrs_driver.report.timeline import Array
+from bahrs_driver.units import S_PER_NS, S_PER_US
 import numpy as np
 
-NANOSECOND = 1e-9
 BUCKET = 1.0            # s, in which the least delay is looked for
 ENOUGH = 10             # buckets for a line through them
 SPAN = 5.0              # s; what is late for so long stays so
@@ -47,11 +47,11 @@ def clock_story(recording: Recording) -> ClockStory | None:
         return None
     number, seconds = number[known], axis.seconds[known]
     host = reads.ros_ns if reads.raw_ns is None else reads.raw_ns
-    arrival = (host[number] - host[0]) * NANOSECOND
+    arrival = (host[number] - host[0]) * S_PER_NS
     # Bytes that came behind a frame in the same read took their time on the line after it.
-    behind = (reads.received[number] - recording.inertial_end[known]) * reads.byte_ns * NANOSECOND
+    behind = (reads.received[number] - recording.inertial_end[known]) * reads.byte_ns * S_PER_NS
     late = arrival - seconds
-    offset = float(arrival[0] - axis.device_us[known][0] * 1e-6)
+    offset = float(arrival[0] - axis.device_us[known][0] * S_PER_US)
     jumps = _jumps(seconds, late)
     for index, size in jumps:
         late[index:] -= size
@@ -60,9 +60,9 @@ def clock_story(recording: Recording) -> ClockStory | None:
     sizes = np.diff(reads.received, prepend=0)
     return ClockStory(
         seconds, delay, None if drift is None else -drift * 1e6,
-        offset + float(reads.ros_ns[0]) * NANOSECOND,
+        offset + float(reads.ros_ns[0]) * S_PER_NS,
         len(jumps) if reads.raw_ns is None else _times_set(reads.ros_ns, reads.raw_ns),
-        int(np.median(sizes)), float(np.diff(host).max()) * NANOSECOND,
+        int(np.median(sizes)), float(np.diff(host).max()) * S_PER_NS,
         float(np.percentile(delay, 99)))
 
 

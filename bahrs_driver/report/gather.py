@@ -19,6 +19,7 @@ from bahrs_driver.protocol.bahrs.messages import (
 from bahrs_driver.protocol.batch import Batch
 from bahrs_driver.protocol.framing import Framer, FramingCounters
 from bahrs_driver.report.timeline import Array, Timeline, timeline
+from bahrs_driver.units import COUNTER_MODULUS
 import numpy as np
 
 
@@ -146,7 +147,8 @@ def _label(navigation: Array, times: Array) -> int | None:
     if not len(times):
         return None
     ahead = times['reference_sequence'].astype(int) - navigation['sequence'][latest]
-    return int(np.median((ahead + 128) % 256 - 128))
+    half = COUNTER_MODULUS // 2
+    return int(np.median((ahead + half) % COUNTER_MODULUS - half))
 
 
 def _inertial_size(codec: BahrsCodec, versions: Counter[int]) -> int:

@@ -13,6 +13,7 @@ from bahrs_driver.report.plots import COLOURS, WIDTH
 from bahrs_driver.report.rest import longest_rest
 from bahrs_driver.report.spectrum import density, lines
 from bahrs_driver.report.timeline import Array
+from bahrs_driver.units import STANDARD_GRAVITY
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 import numpy as np
@@ -21,7 +22,6 @@ ENOUGH = 60.0               # s of rest, below which nothing is said of noise
 CLIMB = 2.0                 # m/s; a device at rest is not taken to go up or down faster
 LONGEST = 2_000_000         # samples looked at, nearly three hours
 COMPONENTS = ('x', 'y', 'z')
-GRAVITY = 9.80665
 _DEGREES_AN_HOUR = math.degrees(1) * 3600
 
 
@@ -70,7 +70,7 @@ def figures(noise: Noise) -> list[tuple[str, list[str]]]:
         ('force: strongest line [Hz]', _strongest(noise.force, noise.period)),
         ('force: N, velocity random walk [m/s/√h]', _read(noise.force_allan, 'white_noise', 60)),
         ('force: B, bias instability [µg]', _read(
-            noise.force_allan, 'bias_instability', 1e6 / GRAVITY)),
+            noise.force_allan, 'bias_instability', 1e6 / STANDARD_GRAVITY)),
         ('force: K, random walk [m/s²/√h]', _read(noise.force_allan, 'random_walk', 60)),
     ]
 

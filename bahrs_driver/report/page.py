@@ -14,6 +14,7 @@ from bahrs_driver.report.clock import clock_story, ClockStory
 from bahrs_driver.report.finding import clock_time
 from bahrs_driver.report.findings import findings
 from bahrs_driver.report.gather import Recording
+from bahrs_driver.units import NS_PER_S
 import matplotlib
 from matplotlib.figure import Figure
 
@@ -125,7 +126,8 @@ def _noise(recording: Recording) -> Iterator[str]:
 
 def _lead(recording: Recording) -> str:
     versions = ' and '.join(str(version) for version in sorted(recording.versions)) or '-'
-    begun = f', read from {_date(recording.reads.ros_ns[0] / 1e9)} on' if recording.reads else ''
+    reads = recording.reads
+    begun = f', read from {_date(reads.ros_ns[0] / NS_PER_S)} on' if reads else ''
     return f'{recording.size:,} bytes of a BAHRS, protocol version {versions}{begun}.'
 
 

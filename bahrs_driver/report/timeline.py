@@ -11,15 +11,14 @@ lost by whole turns of the counter, the device paused, or it was switched on ane
 from dataclasses import dataclass
 from typing import Any
 
+from bahrs_driver.units import COUNTER_MODULUS, S_PER_US
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
 
-MODULUS = 256
 PERIOD = 0.005              # s, nominal
 TOLERANCE = 0.5             # of a period, by which an anchor may be off
-MICROSECOND = 1e-6
 UNKNOWN_PAUSE = 1.0         # s that stand for the time that a device was off, if nothing tells
 
 
@@ -54,7 +53,7 @@ def timeline(offset: Array, sequence: Array, times: Array) -> Timeline:
     """
     if not len(offset):
         return Timeline(np.empty(0), np.empty(0), None, None, [], 0, 0)
-    steps = np.diff(sequence.astype(np.int64)) % MODULUS
+    steps = np.diff(sequence.astype(np.int64)) % COUNTER_MODULUS
     counts = np.concatenate(([0], np.cumsum(steps)))
     latest, counted, device, ahead = _anchors(offset, sequence, counts, times)
     period = _period(counted, device)
@@ -74,12 +73,12 @@ def _anchors(offset: Array, sequence: Array, counts: Array,
     times, latest = times[latest >= 0], latest[latest >= 0]
     if not len(times):
         return latest, np.empty(0, np.int64), np.empty(0), None
-    half = MODULUS // 2
+    half = COUNTER_MODULUS // 2
     named = (times['reference_sequence'].astype(np.int64) - sequence[latest] + half) \
-        % MODULUS - half
+        % COUNTER_MODULUS - half
     ahead = int(np.median(named))
     label = 1 if ahead == 1 else 0
-    return latest, counts[latest] + named - label, times['device_time_us'] * MICROSECOND, ahead
+    return latest, counts[latest] + named - label, times['device_time_us'] * S_PER_US, ahead
 
 
 def _period(counted: Array, device: Array) -> float:
@@ -115,13 +114,13 @@ def _jumps(steps: Array, latest: Array, counted: Array, device: Array,
         odd = np.flatnonzero(steps[low - 1:high] != 1)
         index = int(low + odd[0]) if len(odd) else int(high)
         excess = float(lines[where])
-        turns, rest = divmod(excess / period + TOLERANCE, MODULUS)
+        turns, rest = divmod(excess / period + TOLERANCE, COUNTER_MODULUS)
         if device[where + 1] < device[where]:
             seconds = UNKNOWN_PAUSE
             breaks.append(Break(index, 'restarted', 0, seconds))
             extra[index] = seconds - steps[index - 1] * period
         elif turns > 0 and rest < 2 * TOLERANCE:
-            missing = int(turns) * MODULUS + int(steps[index - 1]) - 1
+            missing = int(turns) * COUNTER_MODULUS + int(steps[index - 1]) - 1
             breaks.append(Break(index, 'lost', missing, (missing + 1) * period))
             extra[index] = excess
         else:
@@ -147,7 +146,7 @@ def _assemble(counts: Array, steps: Array, latest: Array, counted: Array, device
             here, anchors = counts[low:high], counted[mine]
             line = np.interp(here, anchors, device[mine] - anchors * period)
             true = line + here * period
-            device_us[low:high] = true / MICROSECOND
+            device_us[low:high] = true / S_PER_US
             seconds[low:high] = seconds[low] + true - true[0]
     return Timeline(seconds - seconds[0], device_us, ahead,
                     period if len(counted) > 1 else None,

@@ -5,7 +5,7 @@
 from collections.abc import Iterable
 from typing import Any
 
-from bahrs_driver.clock import NANOSECONDS, Stamped, TimeState
+from bahrs_driver.clock import Stamped, TimeState
 from bahrs_driver.clock.counter import CountedSequence
 from bahrs_driver.clock.host import HostClocks
 from bahrs_driver.clock.interface import Instant
@@ -15,10 +15,10 @@ from bahrs_driver.protocol.bahrs.messages import (
 )
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.reprocess.counted_stream import CountedStream
-from bahrs_driver.units import MICROSECOND, MILLISECOND
+from bahrs_driver.units import NS_PER_MS, NS_PER_S, NS_PER_US
 
-SAME = MILLISECOND              # device times that differ by less are of one sample
-FARTHEST = 10 * NANOSECONDS     # that a message may speak of another time than that of samples
+SAME = NS_PER_MS                # device times that differ by less are of one sample
+FARTHEST = 10 * NS_PER_S        # that a message may speak of another time than that of samples
 
 
 class ByteClock:
@@ -66,7 +66,7 @@ class ByteClock:
         stretch = times.stretch(self._latest.count)
         return TimeState(
             'device', 'device', label=self._stream.labels.reading, settled=times.epochs > 0,
-            offset_ns=stretch.offset, period_us=stretch.elapsed / stretch.samples / MICROSECOND,
+            offset_ns=stretch.offset, period_us=stretch.elapsed / stretch.samples / NS_PER_US,
             epochs=times.epochs, rejected_time_messages=times.rejected)
 
     def _stamp_of(self, message: Any) -> int | None:
@@ -82,9 +82,9 @@ class ByteClock:
                 count = latest.count        # it follows its sample, or one before that
             stamp = self._sample(count, again=True)
         elif kind is SyncPulseTime:
-            stamp = self._point(message.device_time_us * MICROSECOND)
+            stamp = self._point(message.device_time_us * NS_PER_US)
         elif kind in (InertialTime, NavigationTime) and message.valid:
-            stamp = self._point(message.device_time_us * MICROSECOND, SAME)
+            stamp = self._point(message.device_time_us * NS_PER_US, SAME)
         else:
             if kind is SoftwareVersion:     # the device was switched on: the next sample tells
                 self._latest, self._heard = self._before_next(), False

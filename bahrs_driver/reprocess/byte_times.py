@@ -18,8 +18,9 @@ from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation
 from bahrs_driver.protocol.framing import Frame, Framer
 from bahrs_driver.reprocess.byte_clock import ByteClock
 from bahrs_driver.reprocess.counted_stream import CountedStream
+from bahrs_driver.units import NS_PER_MS
 
-READ_DELAY = 20_000_000         # ns; more than any message is behind its sample
+READ_DELAY = 20 * NS_PER_MS     # more than any message is behind its sample
 SAMPLES = 20                    # a chunk
 LONG_GAP = 60                   # samples that are missing
 

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Protocol
 from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.bag.log_clock import LogClock, Moment
 from bahrs_driver.bag.read_metadata import Origin
-from bahrs_driver.clock import Clock, Instant, NANOSECONDS, SampleClock, Stamped
+from bahrs_driver.clock import Clock, Instant, SampleClock, Stamped
 from bahrs_driver.clock.estimation.smoother import Survey
 from bahrs_driver.convert import raw
 from bahrs_driver.convert.bahrs import nvm_page
@@ -24,10 +24,11 @@ from bahrs_driver.protocol.bahrs.messages import NvmPage
 from bahrs_driver.reprocess import replay_diagnostics
 from bahrs_driver.reprocess.byte_times import DeviceTimed
 from bahrs_driver.reprocess.replay_diagnostics import FlightHealth
+from bahrs_driver.units import NS_PER_S
 from diagnostic_msgs.msg import DiagnosticArray
 from std_msgs.msg import UInt8MultiArray
 
-HOLD = 10_000_000_000           # ns that a message may come late in the stream
+HOLD = 10 * NS_PER_S            # that a message may come late in the stream
 MOST_HELD = 50_000              # messages, ten times what comes in that time
 MakeSensor = Callable[[], Sensor]
 
@@ -128,7 +129,7 @@ class Conversion:
                 self._given, lambda: self._make_sensor().framer, sensor.codec,
                 self._settings['time.label'], self._start_ns, progress)
             return timed, timed.clock(
-                round(self._settings['time.fixed_latency'] * NANOSECONDS))
+                round(self._settings['time.fixed_latency'] * NS_PER_S))
         if not isinstance(sensor.clock, SampleClock):
             return self._given, None
         survey = Survey()

@@ -13,14 +13,14 @@ from collections import deque
 from collections.abc import Iterator
 from typing import Any
 
-from bahrs_driver.clock.counter import CountedSequence, MODULUS
+from bahrs_driver.clock.counter import CountedSequence
 from bahrs_driver.clock.labels import Label, LabelReading
 from bahrs_driver.clock.navigation import NavigationCounter, PER_NAVIGATION
 from bahrs_driver.protocol.bahrs.messages import (
     Inertial, InertialTime, Navigation, NavigationTime, SoftwareVersion, TimeMessage,
 )
 from bahrs_driver.reprocess.sample_times import Anchor, Jump, SampleTimes
-from bahrs_driver.units import MICROSECOND
+from bahrs_driver.units import COUNTER_MODULUS, NS_PER_US
 
 DECIDING = 99                       # time messages, until it is decided what they name
 MOST_EARLY = 1000                   # messages before a sample
@@ -86,11 +86,11 @@ class CountedStream:
     def _sample(self, sequence: int) -> None:
         before = self._latest
         if before is None:
-            before = self.before = CountedSequence(-1, (sequence - 1) % MODULUS)
+            before = self.before = CountedSequence(-1, (sequence - 1) % COUNTER_MODULUS)
             self._power_on = False          # it is on since before the first sample
-        ahead = (sequence - before.sequence) % MODULUS      # 0: the same frame again
+        ahead = (sequence - before.sequence) % COUNTER_MODULUS  # 0: the same frame again
         if self._power_on:
-            ahead = MODULUS // 2            # it counts from 0; room for what was lost since
+            ahead = COUNTER_MODULUS // 2    # it counts from 0; room for what was lost since
         found = CountedSequence(before.count + ahead, sequence)
         if ahead != 1:
             for column, value in zip(self._jumps, (self._received, found.count, sequence)):
@@ -99,7 +99,7 @@ class CountedStream:
                                  self.step * (found.count - bool(self._early)),
                                  sequence, self._power_on))
         self._power_on = False
-        self._take_early(CountedSequence(found.count - 1, (sequence - 1) % MODULUS))
+        self._take_early(CountedSequence(found.count - 1, (sequence - 1) % COUNTER_MODULUS))
         self._latest = found
         self._received += 1
 
@@ -108,7 +108,7 @@ class CountedStream:
         numbers = [message.sequence for message in self._early if type(message) is Navigation]
         if self._latest is None and self.kind is Inertial and numbers:
             self._power_on = False
-            self.before = CountedSequence(-1, PER_NAVIGATION * numbers[-1] % MODULUS)
+            self.before = CountedSequence(-1, PER_NAVIGATION * numbers[-1] % COUNTER_MODULUS)
             self._take_early(self.before)
             self._power_on = True
 
@@ -144,7 +144,7 @@ class CountedStream:
             self._anchor(*anchor)
 
     def _anchor(self, message: TimeMessage, latest: CountedSequence, received: int) -> None:
-        time, named = message.device_time_us * MICROSECOND, self._named(message, latest)
+        time, named = message.device_time_us * NS_PER_US, self._named(message, latest)
         if named and 0 < time < LONGEST_TIME:
             count, step = named
             sample = self.step * (count - step * self.labels.ahead)

@@ -14,10 +14,11 @@ from collections import deque
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
-from bahrs_driver.clock.counter import CountedSequence, MODULUS
+from bahrs_driver.clock.counter import CountedSequence
 from bahrs_driver.clock.labels import LabelReading
 from bahrs_driver.protocol.bahrs.messages import Inertial, InertialTime, Navigation, NavigationTime
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.units import COUNTER_MODULUS
 
 PERIODS = {Inertial: 5_000, Navigation: 10_000}     # us, nominal
 ANCHORS = {InertialTime: Inertial, NavigationTime: Navigation}
@@ -58,7 +59,7 @@ class CounterTimes:
     def add(self, sequence: int) -> int:
         """Count a message by its counter; return its count, or NONE if that is not clear."""
         before = self._latest
-        ahead = (sequence - before.sequence) % MODULUS if before.count >= 0 else 1
+        ahead = (sequence - before.sequence) % COUNTER_MODULUS if before.count >= 0 else 1
         self._latest = CountedSequence(before.count + ahead, sequence)
         if ahead != 1:
             self._jumped(self._latest.count)

@@ -11,18 +11,19 @@ from typing import Any
 
 from bahrs_driver.bag.capture import Chunk
 from bahrs_driver.bag.log_clock import Moment
-from bahrs_driver.clock import Clock, NANOSECONDS, Stamped
+from bahrs_driver.clock import Clock, Stamped
 from bahrs_driver.devices import Sensor
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.monitor import Monitor
 from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.transport.receiver import LinkCounters, SAMPLE_SIZE
+from bahrs_driver.units import NS_PER_S
 from diagnostic_msgs.msg import DiagnosticArray
 
 TOPIC = '/diagnostics'
-PERIOD = NANOSECONDS
-LONGEST_SILENCE = 60 * NANOSECONDS      # that is told of every second
+PERIOD = NS_PER_S
+LONGEST_SILENCE = 60 * NS_PER_S         # that is told of every second
 
 
 class FlightHealth:
@@ -42,7 +43,7 @@ class FlightHealth:
                          settings['sensor'], sensor.protocol,
                          settings['diagnostics.damaged_share']),
              self._time_task, *sensor.health.tasks, self._publishing_task],
-            'bahrs_driver', settings['sensor'], lambda: self._now / NANOSECONDS)
+            'bahrs_driver', settings['sensor'], lambda: self._now / NS_PER_S)
 
     def before(self, now: int) -> Iterator[tuple[int, DiagnosticArray]]:
         """Return the reports that were due before a moment, each with its time."""
@@ -57,7 +58,7 @@ class FlightHealth:
               batch: list[Stamped]) -> Iterator[tuple[int, DiagnosticArray]]:
         """Take a chunk and what it completed, and return a report if one is due."""
         self._now, self._offset = moment.log_ns, moment.offset
-        seconds = self._now / NANOSECONDS
+        seconds = self._now / NS_PER_S
         if chunk.opening != self._opening:
             self._opening = chunk.opening
             self._health.opened()
@@ -76,5 +77,5 @@ class FlightHealth:
         self._now, self._due = now, now + PERIOD
         array = DiagnosticArray(status=self._monitor.statuses())
         array.header.stamp.sec, array.header.stamp.nanosec = divmod(
-            now + self._offset, NANOSECONDS)
+            now + self._offset, NS_PER_S)
         return now, array

@@ -18,12 +18,13 @@ from collections import deque
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from bahrs_driver.clock.counter import MODULUS, PERIOD
+from bahrs_driver.clock.counter import PERIOD
 from bahrs_driver.clock.timeline import PERIOD_TOLERANCE, Timeline
+from bahrs_driver.units import COUNTER_MODULUS, NS_PER_S, ROS_TIME_END_S
 
-AFTER_RESTART = 1_000_000_000       # ns that a restart is taken to last
-LONGEST_PAUSE = 30 * 86_400 * 10 ** 9       # ns; a clock that is further ahead was set
-LATEST_TIME = 2 ** 31 * 10 ** 9     # ns; ROS has no time from then on
+AFTER_RESTART = NS_PER_S            # ns that a restart is taken to last
+LONGEST_PAUSE = 30 * 86_400 * NS_PER_S      # ns; a clock that is further ahead was set
+LATEST_TIME = ROS_TIME_END_S * NS_PER_S
 MOST_JUMPS = 1000                   # since the latest anchor
 _FIRST = -2 ** 62                   # count before all others
 
@@ -151,10 +152,10 @@ class SampleTimes:
     def _extend_to_the_end(self, line: Timeline) -> None:
         """Go on from the latest anchor at the device's period."""
         sample, time, _ = self._latest
-        last, later = self._stretches[-1], sample + MODULUS
+        last, later = self._stretches[-1], sample + COUNTER_MODULUS
         if last.time_of(later) != line.time_of(later):
-            self._add(last._replace(begin=sample, sample=sample, time=time, samples=MODULUS,
-                                    elapsed=line.time_of(later) - time))
+            self._add(last._replace(begin=sample, sample=sample, time=time,
+                                    elapsed=line.time_of(later) - time, samples=COUNTER_MODULUS))
 
     def _believe(self, candidate: Timeline) -> None:
         """Go on by another anchor than those that were believed so far."""

@@ -13,7 +13,6 @@ from functools import partial
 import os
 import threading
 
-from bahrs_driver.clock import byte_time_ns
 from bahrs_driver.errors import LinkError
 from bahrs_driver.process.printable import printable
 from bahrs_driver.transport.address import check_baud_rate, parse_address
@@ -26,6 +25,7 @@ from bahrs_driver.transport.reading import Reading
 from bahrs_driver.transport.serial_port import SerialPort
 from bahrs_driver.transport.tcp import TcpConnection
 from bahrs_driver.transport.waker import Waker
+from bahrs_driver.units import byte_time_ns
 
 __all__ = ['Link', 'LinkError', 'Reading']
 

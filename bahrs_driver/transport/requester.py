@@ -13,10 +13,10 @@ from collections.abc import Collection
 import threading
 from typing import Any, Protocol
 
-from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.process.host_time import host_instant
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.transport.link import Link, LinkError
+from bahrs_driver.units import NS_PER_S
 
 LONGEST_SLEEP = 3600.0      # s; longer ones are beyond what a lock can wait for
 
@@ -116,7 +116,7 @@ class Requester:
                 present = _raw_time()
                 due = self._conversation.due(present)
                 self._changed.wait(None if due is None else min(
-                    LONGEST_SLEEP, max(0, due - present) / NANOSECONDS))
+                    LONGEST_SLEEP, max(0, due - present) / NS_PER_S))
             return b''
 
 

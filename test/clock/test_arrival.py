@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the arrival clock, with literal pairs."""
 
-from bahrs_driver.clock import ArrivalClock, ArrivalStamps, byte_time_ns, Instant
+from bahrs_driver.clock import ArrivalClock, ArrivalStamps, Instant
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.units import byte_time_ns
 import pytest
 
 

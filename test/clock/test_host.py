@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the host's two clocks, with literal pairs in ns."""
 
-from bahrs_driver.clock import Instant, NANOSECONDS
+from bahrs_driver.clock import Instant
 from bahrs_driver.clock.host import HostClocks
+from bahrs_driver.units import NS_PER_S
 
-ROS = 1_700_000_000 * NANOSECONDS
+ROS = 1_700_000_000 * NS_PER_S
 MS = 1_000_000
 
 

@@ -5,7 +5,8 @@
 import math
 
 from bahrs_driver.emulator.flights import AIRFIELD, FLIGHT, Flight, MOTIONS, SteadyTurn, Still
-from bahrs_driver.emulator.motion import GRAVITY, Profile
+from bahrs_driver.emulator.motion import Profile
+from bahrs_driver.units import STANDARD_GRAVITY
 import numpy as np
 import pytest
 
@@ -57,7 +58,7 @@ def test_the_forces_fit_velocity_and_gravity(motion):
         truth = motion.at(time)
         acceleration = (np.array(motion.at(time + step).velocity)
                         - np.array(motion.at(time - step).velocity)) / (2 * step)
-        force = rotation(truth).T @ (acceleration - (0, 0, GRAVITY))
+        force = rotation(truth).T @ (acceleration - (0, 0, STANDARD_GRAVITY))
         assert np.abs(force - truth.specific_force).max() < 1e-4
 
 
@@ -122,7 +123,7 @@ def test_a_newcomer_sees_it_move():
 def test_the_vehicle_at_rest_feels_gravity_only():
     """Forward, right, down: the ground pushes upward."""
     truth = Still(height=100.0, heading=90.0).at(12.3)
-    assert truth.specific_force == (0.0, 0.0, -GRAVITY)
+    assert truth.specific_force == (0.0, 0.0, -STANDARD_GRAVITY)
     assert truth.angular_rate == (0.0, 0.0, 0.0)
     assert (truth.roll, truth.pitch, truth.pressure_height) == (0.0, 0.0, 100.0)
     assert truth.heading == pytest.approx(math.pi / 2)
@@ -132,8 +133,9 @@ def test_a_coordinated_turn_pulls_nobody_sideways():
     """Bank by v*omega/g, the load along the body's down axis."""
     truth = SteadyTurn().at(10.0)
     turn = SteadyTurn.SPEED * SteadyTurn.TURN_RATE
-    assert truth.roll == pytest.approx(math.atan2(turn, GRAVITY))
-    assert truth.specific_force == pytest.approx((0, 0, -math.hypot(turn, GRAVITY)), abs=1e-12)
+    assert truth.roll == pytest.approx(math.atan2(turn, STANDARD_GRAVITY))
+    assert truth.specific_force == pytest.approx(
+        (0, 0, -math.hypot(turn, STANDARD_GRAVITY)), abs=1e-12)
 
 
 def test_a_profile_is_exact():

@@ -9,12 +9,12 @@ import sys
 from time import time_ns
 
 from bahrs_driver.bag.read_metadata import parse_label
-from bahrs_driver.clock import byte_time_ns
 from bahrs_driver.convert.bahrs.converter import TOPICS
 from bahrs_driver.convert.raw import TOPIC
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import ANGLE, HEIGHT, Inertial
 from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.units import byte_time_ns
 from bahrs_driver.virtual_serial.pty_port import PtyPort
 from diagnostic_msgs.msg import DiagnosticStatus
 import pytest

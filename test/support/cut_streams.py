@@ -5,19 +5,20 @@
 from dataclasses import dataclass
 import random
 
-from bahrs_driver.clock import byte_time_ns, Instant, NANOSECONDS
+from bahrs_driver.clock import Instant
 from bahrs_driver.clock.estimation.smoother import Survey
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import (
     Inertial, InertialTime, Navigation, NavigationTime, SyncPulseTime,
 )
 from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.units import byte_time_ns, NS_PER_S
 from bahrs_driver.virtual_serial.cable import Cable
 from bahrs_driver.virtual_serial.faults import Faults
 from support.emulated import BAUD_RATE, make_device
 
 ADAPTERS = ('none', 0.001, 0.016, 'packets')
-RAW, ROS = 5_000 * NANOSECONDS, 1_700_000_000 * NANOSECONDS
+RAW, ROS = 5_000 * NS_PER_S, 1_700_000_000 * NS_PER_S
 SAMPLES = {'inertial': Inertial, 'navigation': Navigation}
 POINTS = (InertialTime, NavigationTime, SyncPulseTime)
 
@@ -54,7 +55,7 @@ def through(emissions, adapter, seed=1):
     for ready, data in [*emissions, (float('inf'), b'')]:
         while (arrival := cable.next_time) < ready:
             wake = max(wake, arrival) + late.uniform(40e-6, 150e-6)
-            reads.append((RAW + round(wake * NANOSECONDS), cable.take(wake)))
+            reads.append((RAW + round(wake * NS_PER_S), cable.take(wake)))
         cable.send(ready, data)
     return [(time, data) for time, data in reads if data]
 

@@ -4,7 +4,7 @@
 
 from typing import Any
 
-from bahrs_driver.clock import BITS_PER_BYTE, byte_time_ns, ExchangeClock, Instant, Stamped
+from bahrs_driver.clock import ExchangeClock, Instant, Stamped
 from bahrs_driver.emulator.emulation import Emulation, Sent
 from bahrs_driver.emulator.flights import Still
 from bahrs_driver.emulator.ground_path import GroundPath
@@ -16,6 +16,7 @@ from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.titan_m.frames import AnswerFormat, REQUEST_SIZE
 from bahrs_driver.protocol.titan_m.messages import GpsRequest, SensorsRequest, StateRequest
 from bahrs_driver.protocol.titan_m.poller import Poller, PollOptions
+from bahrs_driver.units import BITS_PER_BYTE, byte_time_ns
 from bahrs_driver.virtual_serial.cable import AT_ONCE, Cable
 from bahrs_driver.virtual_serial.faults import Faults
 

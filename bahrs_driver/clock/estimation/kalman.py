@@ -14,10 +14,10 @@ from collections.abc import Sequence
 import math
 from typing import NamedTuple
 
-from bahrs_driver.units import NANOSECONDS
+from bahrs_driver.units import NS_PER_S
 
 SKEW_LIMIT = 250e-6
-OFFSET_WALK = 300.0 ** 2 / NANOSECONDS          # ns^2 for each ns: 0.3 us a root second
+OFFSET_WALK = 300.0 ** 2 / NS_PER_S             # ns^2 for each ns: 0.3 us a root second
 LEAST_LIKELY = -25.0                            # logarithm, so that no pace is ruled out
 
 
@@ -30,7 +30,7 @@ class Pace(NamedTuple):
 
 def pace(ppm: float, leave: float = 0.0) -> Pace:
     """Return the pace of a skew that walks by so many ppm a root second."""
-    return Pace((ppm * 1e-6) ** 2 / NANOSECONDS, leave)
+    return Pace((ppm * 1e-6) ** 2 / NS_PER_S, leave)
 
 
 ANY = (pace(0.1),)

@@ -15,11 +15,11 @@ import math
 from statistics import median
 
 from bahrs_driver.clock.estimation.kalman import OffsetFilter
-from bahrs_driver.units import MICROSECOND
+from bahrs_driver.units import NS_PER_US
 
-DEVIATION = 2 * MICROSECOND
-GATE_DEVIATIONS, GATE_MARGIN = 5, 20 * MICROSECOND
-FIRST_DEVIATION = 5 * MICROSECOND
+DEVIATION = 2 * NS_PER_US
+GATE_DEVIATIONS, GATE_MARGIN = 5, 20 * NS_PER_US
+FIRST_DEVIATION = 5 * NS_PER_US
 SETTLED_AFTER = 3               # pulses
 MISSES = 4                      # in a row, until it starts again
 DELAYS = 31                     # pulses whose delay is remembered

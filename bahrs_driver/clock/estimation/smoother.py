@@ -26,11 +26,11 @@ from bahrs_driver.clock.estimation.rauch import Measurement, smoothed
 from bahrs_driver.clock.estimation.tracker import (
     CLOSE_GAP, GATE_DEVIATIONS, GATE_MARGIN, LEAST_DEVIATION, PATIENCE, Tracker, WIDEST_GAP,
 )
-from bahrs_driver.units import MILLISECOND, NANOSECONDS
+from bahrs_driver.units import NS_PER_MS, NS_PER_S
 
-BUCKET = NANOSECONDS // 2
-FIRST_DEVIATION = 10 * MILLISECOND
-JUMP_DEVIATION = 10 * MILLISECOND
+BUCKET = NS_PER_S // 2
+FIRST_DEVIATION = 10 * NS_PER_MS
+JUMP_DEVIATION = 10 * NS_PER_MS
 EQUAL_BUCKETS = 20
 NEIGHBOURS = 10                         # buckets to either side whose gaps tell the spread
 ROUNDS = 2

@@ -33,22 +33,22 @@ from collections import deque
 import math
 
 from bahrs_driver.clock.estimation.kalman import OffsetFilter, pace
-from bahrs_driver.units import MICROSECOND, MILLISECOND, NANOSECONDS
+from bahrs_driver.units import NS_PER_MS, NS_PER_S, NS_PER_US
 
-FIRST_SPAN = NANOSECONDS // 2
-SHORTEST_BUCKET, LONGEST_BUCKET = NANOSECONDS // 20, NANOSECONDS // 2
+FIRST_SPAN = NS_PER_S // 2
+SHORTEST_BUCKET, LONGEST_BUCKET = NS_PER_S // 20, NS_PER_S // 2
 BUCKET_GROWTH = 0.1                     # of the time since the start
-CLOSE_GAP = 60 * MICROSECOND            # the most that the truth is taken to lie below
-WIDEST_GAP = MILLISECOND                # what is wider says no more
-LEAST_DEVIATION = 8 * MICROSECOND
-GATE_DEVIATIONS, GATE_MARGIN = 4, 40 * MICROSECOND
+CLOSE_GAP = 60 * NS_PER_US              # the most that the truth is taken to lie below
+WIDEST_GAP = NS_PER_MS                  # what is wider says no more
+LEAST_DEVIATION = 8 * NS_PER_US
+GATE_DEVIATIONS, GATE_MARGIN = 4, 40 * NS_PER_US
 SPREAD_WEIGHT = 0.1
 ODD_GAP = 3                             # times the usual one: wider ones count as this wide
-FIRST_DEVIATION = 200 * MICROSECOND     # of the offset after the first span
-JUMP_DEVIATION = 100 * MICROSECOND
-ALONE = 10 * MILLISECOND
-FIRST_LOOK = 70 * MILLISECOND           # more than an adapter holds back, or a busy line takes
-PATIENCE = 60 * NANOSECONDS
+FIRST_DEVIATION = 200 * NS_PER_US       # of the offset after the first span
+JUMP_DEVIATION = 100 * NS_PER_US
+ALONE = 10 * NS_PER_MS
+FIRST_LOOK = 70 * NS_PER_MS             # more than an adapter holds back, or a busy line takes
+PATIENCE = 60 * NS_PER_S
 # At an even temperature, and while it changes.
 PACES = (pace(0.03, leave=0.002), pace(0.5, leave=0.05))
 EQUAL_BUCKETS = 10

@@ -31,6 +31,7 @@ from bahrs_driver.protocol.bahrs.messages import (
 )
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.protocol.layout import Vector
+from bahrs_driver.units import ROS_TIME_END_S, US_PER_S
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
 from sensor_msgs.msg import FluidPressure, Imu, MagneticField, NavSatFix, TimeReference
@@ -54,7 +55,7 @@ LATCHED = {'integrity'}
 
 TIME_SOURCE = 'bahrs'
 LONGEST_APART = 500_000_000     # ns by which a message may be stamped after its inertial sample
-LONGEST_TIME_US = 2 ** 31 * ros.MICROSECONDS     # what a ROS time can hold
+LONGEST_TIME_US = ROS_TIME_END_S * US_PER_S
 
 Outgoing = Iterator[tuple[str, Any]]
 

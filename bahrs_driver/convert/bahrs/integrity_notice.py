@@ -9,16 +9,16 @@ and all of them together tell for every sample in a bag what it was worth.
 
 from collections.abc import Sequence
 
-from bahrs_driver.clock import NANOSECONDS
 from bahrs_driver.convert import ros
 from bahrs_driver.protocol.integrity import Health, Integrity
+from bahrs_driver.units import NS_PER_S
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 LEVELS = {Integrity.SAFE: DiagnosticStatus.OK, Integrity.INTEGRITY_RISK: DiagnosticStatus.WARN,
           Integrity.UNAVAILABLE: DiagnosticStatus.ERROR,
           Integrity.RESERVED: DiagnosticStatus.ERROR, None: DiagnosticStatus.STALE}
 NOT_HEARD = 'not_heard'
-SET_BACK = NANOSECONDS
+SET_BACK = NS_PER_S
 
 
 class IntegrityNotice:

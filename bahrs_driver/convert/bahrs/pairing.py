@@ -12,8 +12,10 @@ for every true pair for as long as the device runs.
 from collections import deque
 from typing import Generic, TypeVar
 
+from bahrs_driver.units import COUNTER_MODULUS
+
+
 INERTIAL_PER_NAVIGATION = 2
-COUNTER_MODULUS = 256
 WITNESSES = 5           # pairs in a row that must agree before a new difference is believed
 
 Sample = TypeVar('Sample')

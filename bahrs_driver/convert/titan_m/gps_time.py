@@ -10,12 +10,13 @@ not known.
 """
 
 from bahrs_driver.clock.notices import Notices
+from bahrs_driver.units import NS_PER_S, NS_PER_US, ROS_TIME_END_S, US_PER_S
 
 GPS_EPOCH_S = 315_964_800       # UNIX time of 6 January 1980
-WEEK_US = 604_800 * 1_000_000
-LATEST_US = 2 ** 31 * 1_000_000     # what a ROS time can hold
+WEEK_US = 604_800 * US_PER_S
+LATEST_US = ROS_TIME_END_S * US_PER_S
 # A host whose clock shows an earlier time started without one: 1 January 2020.
-EARLIEST_HOST_NS = 1_577_836_800 * 10 ** 9
+EARLIEST_HOST_NS = 1_577_836_800 * NS_PER_S
 
 
 class GpsTime:
@@ -24,7 +25,7 @@ class GpsTime:
     def __init__(self, week: int, leap_seconds: int) -> None:
         """Begin in a week since 1980 (0 if unknown), with GPS time less UTC in seconds."""
         self._week = week
-        self._start_us = (GPS_EPOCH_S - leap_seconds) * 1_000_000
+        self._start_us = (GPS_EPOCH_S - leap_seconds) * US_PER_S
         self._last_us = 0
         self._notices = Notices()
         self.problem = ''               # what is wrong with the week, in a sentence
@@ -49,7 +50,7 @@ class GpsTime:
         """Return the week of a time of week, 0 if unknown; report what is wrong with it."""
         week, problem = self._week, ''
         if host_ns >= EARLIEST_HOST_NS:
-            since_us = host_ns // 1000 - self._start_us - time_us
+            since_us = host_ns // NS_PER_US - self._start_us - time_us
             week = (since_us + WEEK_US // 2) // WEEK_US
         elif not week:
             problem = ('The GPS week is unknown, and time_reference is not published: set the '

@@ -17,7 +17,7 @@ from bahrs_driver.emulator.bahrs.stream import (
     TimeLabel,
 )
 from bahrs_driver.emulator.device import Emission
-from bahrs_driver.emulator.device_clock import DeviceClock, MICROSECONDS
+from bahrs_driver.emulator.device_clock import DeviceClock
 from bahrs_driver.emulator.motion import Motion
 from bahrs_driver.emulator.noise import Noise
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, build_frame, CrcOrder
@@ -28,6 +28,7 @@ from bahrs_driver.protocol.bahrs.messages import (
     SyncPulseTime,
 )
 from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.units import COUNTER_MODULUS, US_PER_S
 
 SOFTWARE = SoftwareVersion('EMU', 1, 0)
 ANSWER_DELAY = 0.002        # s, the request's time on the line and the device's own
@@ -150,7 +151,8 @@ class BahrsDevice:
     def _pulse(self, time: float) -> Iterator[Said]:
         pulse = self.pulses.latest(time)
         if pulse is not None:
-            yield Said(SyncPulseTime(self._pulse_count % 256, self.clock.reading_at(pulse)),
+            sequence = self._pulse_count % COUNTER_MODULUS
+            yield Said(SyncPulseTime(sequence, self.clock.reading_at(pulse)),
                        time=pulse)
             self._pulse_count += 1
 
@@ -165,7 +167,7 @@ class BahrsDevice:
 
     def _debug(self, time: float, reading: int) -> Iterator[Emission]:
         rate = self._habits.debug_rate
-        if not rate or self.stream.count % round(MICROSECONDS / INERTIAL_PERIOD_US / rate):
+        if not rate or self.stream.count % round(US_PER_S / INERTIAL_PERIOD_US / rate):
             return
         text = b'emulated debug output'
         contents = {0xC0: struct.pack('<BQH', 1, reading, len(text)) + text,

@@ -33,6 +33,7 @@ from bahrs_driver.protocol.bahrs.messages import (
 )
 from bahrs_driver.protocol.integrity import Health, Integrity
 from bahrs_driver.protocol.layout import Vector
+from bahrs_driver.units import COUNTER_MODULUS
 
 INERTIAL_PERIOD_US = 5000
 INERTIAL_PER_NAVIGATION = 2
@@ -41,7 +42,6 @@ SIGNALS = Inertial.SIGNALS + Navigation.SIGNALS
 UNALIGNED = 8               # navigation messages after power-on that have nothing to say
 
 FORCE_LIMIT, RATE_LIMIT, VELOCITY_LIMIT = 32767 * FORCE_2, 32767 * RATE_2, 32767 * VELOCITY
-_COUNTER_MODULUS = 256
 _LOWEST, _HIGHEST = HEIGHT_OFFSET, HEIGHT_OFFSET + 65535 * HEIGHT
 _UNAVAILABLE = (Integrity.UNAVAILABLE,) * len(Navigation.SIGNALS)
 
@@ -115,7 +115,7 @@ class BahrsStream:
         rate = self._vector('angular_rate', truth.angular_rate, RATE_LIMIT)
         values = _masked(force + rate, self._inertial_health, _NO_INERTIAL)
         return Said(
-            Inertial(count % _COUNTER_MODULUS, _vector(values[:3]), _vector(values[3:]),
+            Inertial(count % COUNTER_MODULUS, _vector(values[:3]), _vector(values[3:]),
                      self._inertial_health),
             {'specific_force': truth.specific_force, 'angular_rate': truth.angular_rate})
 
@@ -124,7 +124,7 @@ class BahrsStream:
         height, velocity, roll, pitch, heading = _masked(
             self._navigation_values(truth), health, _NO_NAVIGATION)
         return Said(
-            Navigation(count % _COUNTER_MODULUS, height, velocity, roll, pitch, heading, health),
+            Navigation(count % COUNTER_MODULUS, height, velocity, roll, pitch, heading, health),
             {'pressure_height': truth.pressure_height, 'velocity_down': truth.velocity_down,
              'roll': truth.roll, 'pitch': truth.pitch, 'magnetic_heading': truth.heading})
 
@@ -144,19 +144,19 @@ class BahrsStream:
     def _accuracy(self, navigation: int, device_time_us: int) -> Said:
         index = navigation // NAVIGATION_PER_TIME
         if not device_time_us:
-            return Said(Accuracy(index % _COUNTER_MODULUS, None, None, None, 0))
+            return Said(Accuracy(index % COUNTER_MODULUS, None, None, None, 0))
         deviation = _FIRST_DEVIATION / math.sqrt(max(1, index))
         attitude = max(_LEAST_ATTITUDE_DEVIATION, deviation)
         heading = max(_LEAST_HEADING_DEVIATION, deviation)
-        return Said(Accuracy(index % _COUNTER_MODULUS, attitude, attitude, heading,
+        return Said(Accuracy(index % COUNTER_MODULUS, attitude, attitude, heading,
                              device_time_us))
 
     def _time(self, kind: type[InertialTime] | type[NavigationTime], count: int,
               device_time_us: int) -> Said:
         every = NAVIGATION_PER_TIME * (
             INERTIAL_PER_NAVIGATION if kind is InertialTime else 1)
-        return Said(kind(count // every % _COUNTER_MODULUS,
-                         (count + self._label) % _COUNTER_MODULUS, device_time_us))
+        return Said(kind(count // every % COUNTER_MODULUS,
+                         (count + self._label) % COUNTER_MODULUS, device_time_us))
 
 
 def _masked(values: Values, health: Health, blank: Values) -> Values:

@@ -16,8 +16,7 @@ from bahrs_driver.protocol.titan_m.frames import (
     build_answer, message_id, OrderChoice, request_of, REQUEST_SIZE, RequestFormat,
 )
 from bahrs_driver.protocol.titan_m.messages import ByteOrder, Sensors, TitanAnswer
-
-NS = 1_000_000_000
+from bahrs_driver.units import NS_PER_S
 
 
 @dataclass(frozen=True)
@@ -59,7 +58,7 @@ class TitanDevice:
     def next_time(self) -> float:
         """When step() is due: only if it speaks by itself."""
         due = self._schedule.next_after(-1)
-        return math.inf if due is None else due / NS
+        return math.inf if due is None else due / NS_PER_S
 
     @property
     def signals(self) -> tuple[str, ...]:
@@ -75,8 +74,8 @@ class TitanDevice:
         """Answer what is due at next_time as if it had been asked for."""
         time = self.next_time
         emissions = []
-        for kind in self._schedule.due(round(time * NS)):
-            self._schedule.take(kind, round(time * NS))
+        for kind in self._schedule.due(round(time * NS_PER_S)):
+            self._schedule.take(kind, round(time * NS_PER_S))
             if time >= self._ready:
                 emissions.append(self._answer(kind, 0, time))
         return emissions

@@ -14,9 +14,9 @@ from typing import ClassVar, Literal
 from bahrs_driver.protocol.layout import (
     before_reserved, flag, integer, Layout, reals, scaled, Vector, vector, wire,
 )
+from bahrs_driver.units import STANDARD_GRAVITY
 
-GRAVITY = 9.80665                       # m/s^2, what the document means by G
-ADC_FORCE = 2.522e-3 * GRAVITY          # m/s^2
+ADC_FORCE = 2.522e-3 * STANDARD_GRAVITY  # m/s^2
 ADC_RATE_DEG = 0.07326                  # degree/s
 TEMPERATURE_C = 1 / 128                 # degree C
 PRESSURE = 5e-3                         # Pa

@@ -36,10 +36,10 @@ from bahrs_driver.protocol.titan_m.frames import (
 from bahrs_driver.protocol.titan_m.messages import (
     ByteOrder, Gps, REQUESTS, Sensors, TitanAnswer, TitanRequest,
 )
+from bahrs_driver.units import COUNTER_MODULUS, NS_PER_MS
 
-MILLISECOND = 1_000_000
-MARGIN = 20 * MILLISECOND           # on what answers have taken
-LONGEST_BACKLOG = 20 * MILLISECOND  # of answers that the line has yet to carry
+MARGIN = 20 * NS_PER_MS             # on what answers have taken
+LONGEST_BACKLOG = 20 * NS_PER_MS    # of answers that the line has yet to carry
 MEASURED = 32                       # answers whose delay is remembered
 FEW_MEASURED = 4                    # of them at least are needed to know
 UNANSWERED = 3                      # in a row, and another byte order is tried
@@ -55,7 +55,7 @@ class PollOptions:
     """What the user may choose; time in ns."""
 
     pipelined: bool = False
-    timeout: int = 200 * MILLISECOND    # at most; less, once it is known how long answers take
+    timeout: int = 200 * NS_PER_MS      # at most; less, once it is known how long answers take
     retries: int = 1
     counted_ids: bool = False           # rather than always 0, as in the document
     checksum_order: OrderChoice = 'auto'
@@ -207,7 +207,7 @@ class Poller:
     def _ask(self, kind: Kind, now: int, attempt: int) -> bytes:
         message_id = self._next_id
         if self._options.counted_ids:
-            self._next_id = (message_id + 1) % 256
+            self._next_id = (message_id + 1) % COUNTER_MODULUS
         arrives = now + REQUEST_SIZE * self._byte_time
         self._line_free = max(self._line_free, arrives) \
             + answer_size(kind.ANSWER) * self._byte_time
