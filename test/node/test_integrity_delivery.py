@@ -3,17 +3,17 @@
 """Who gets which notices on `integrity`, with the real middleware and real processes."""
 
 import os
-from pathlib import Path
 import signal
 import sys
 
 from bahrs_driver.convert.bahrs.converter import TOPICS
 from bahrs_driver.protocol.integrity import Integrity
 import pytest
+from support import integrity_subscriber
 from support.devices import Device, SAFE
 from support.processes import driver, listening, Process, wait_for
 
-SUBSCRIBER = [sys.executable, str(Path(__file__).with_name('integrity_subscriber.py'))]
+SUBSCRIBER = [sys.executable, integrity_subscriber.__file__]
 SIGNALS = 5
 CHANGES = 8
 
