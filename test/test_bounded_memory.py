@@ -17,7 +17,7 @@ import tracemalloc
 
 from bahrs_driver.bag.message_queue import OVERHEAD, Taken, TakenQueue
 from bahrs_driver.clock import Instant
-from bahrs_driver.devices import SENSORS
+from bahrs_driver.devices.registry import DEVICES, recognize
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.monitor import Monitor
 from bahrs_driver.diagnostics.time_task import TimeTask
@@ -44,20 +44,22 @@ class Driver:
 
     def __init__(self, sensor_name):
         self.link = Link('loop://', 115200)
-        self.sensor = sensor = SENSORS[sensor_name]({**defaults(), 'sensor': sensor_name},
-                                                    self.link)
+        self.sensor = sensor = DEVICES[sensor_name].parts({**defaults(), 'sensor': sensor_name})
+        self.live = sensor.live(self.link)
         self.counters, self.time_task = LinkCounters(), TimeTask(sensor.clock, sensor.health.stale)
         self.now = 0.0
         self.monitor = Monitor(
-            [FramingTask(sensor.framer, self.counters, 115200, sensor_name, sensor.protocol, 0.1),
-             self.time_task, *sensor.health.tasks], 'test', 'port', lambda: self.now)
+            [FramingTask(sensor.framer, self.counters, 115200, sensor_name, sensor.protocol,
+                         recognize, 0.1),
+             self.time_task, *sensor.health.tasks, *self.live.tasks],
+            'test', 'port', lambda: self.now)
 
     def begin(self):
         """Begin a stream."""
         self.sensor.clock.begin(86_806)
         self.sensor.health.opened()
-        if self.sensor.requester:
-            self.sensor.requester.opened()
+        if self.live.requester:
+            self.live.requester.opened()
 
     def lose(self, ros_ns):
         """Lose the link, as the receiver and the node do it."""
@@ -65,12 +67,13 @@ class Driver:
         rest = self.decoded(sensor.framer.flush())
         self.publish(sensor.clock.stamp(rest) + sensor.clock.end())
         list(sensor.converter.lost(ros_ns))
-        if sensor.requester:
-            sensor.requester.lost()
+        if self.live.requester:
+            self.live.requester.lost()
 
     def decoded(self, frames):
         """Return messages with their frames."""
-        return [(self.sensor.codec.decode(frame), frame) for frame in frames]
+        codec = self.live.requester or self.sensor.codec
+        return [(codec.decode(frame), frame) for frame in frames]
 
     def feed(self, reading):
         """Take what a read has brought."""
@@ -90,8 +93,8 @@ class Driver:
         """Make ROS messages of device messages."""
         for message, frame, stamp_ns in stamped:
             self.sensor.health.observe(message, self.now)
-            if self.sensor.nvm:
-                self.sensor.nvm.receive(message, frame)
+            if self.live.nvm:
+                self.live.nvm.receive(message, frame)
             for _ in self.sensor.converter.convert(message, stamp_ns):
                 pass
 

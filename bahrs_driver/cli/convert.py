@@ -16,13 +16,12 @@ from bahrs_driver.cli.convert_settings import read_settings, unused_options
 from bahrs_driver.cli.node_options import checked_namespace
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.cli.sensors import sensor_of
-from bahrs_driver.devices import LISTENING, SENSORS
+from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.errors import CaptureError, CommandError, ParameterError, WriteError
 from bahrs_driver.files.new_directory import new_directory
 from bahrs_driver.process.printable import printable
 from bahrs_driver.reprocess.conversion import Conversion, Outcome
 from bahrs_driver.reprocess.outputs import BagOutput, CsvOutput
-from bahrs_driver.transport.link import Link
 from bahrs_driver.units import NS_PER_S
 from rich.progress import TaskID
 
@@ -48,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--as', dest='kind', choices=('bag', 'csv'), default='bag',
                         help='a rosbag2 directory with MCAP, or a CSV file for each topic '
                              '(default: %(default)s)')
-    parser.add_argument('--sensor', choices=tuple(SENSORS),
+    parser.add_argument('--sensor', choices=tuple(DEVICES),
                         help='which device sent it (default: as the bag says, or bahrs)')
     parser.add_argument('--start', type=_time, metavar='TIME',
                         help='for a file of bytes: the time of its first time message, as '
@@ -70,13 +69,12 @@ def run(options: argparse.Namespace) -> int:
     _refuse_pipe(options.input)
     try:
         capture = read_capture(options.input, options.topic)
-        name = sensor_of(capture, options.sensor, SENSORS)
-        if name in LISTENING and not capture.timed:
+        name = sensor_of(capture, options.sensor, DEVICES)
+        if DEVICES[name].needs_read_times and not capture.timed:
             raise CommandError(f'{options.input} cannot be converted: answers of a {name} have no '
                                'times; record the topic raw, or look at them with bahrs decode')
         settings, notes = read_settings(options.parameters, name)
-        conversion = Conversion(capture, settings, lambda: SENSORS[name](settings, Link(
-            settings['port'], settings['baud_rate'])), options.start)
+        conversion = Conversion(capture, settings, DEVICES[name], options.start)
         with new_directory(options.output) as folder:
             with _shown_as(options.output, folder):
                 outcome = _convert(options, conversion, capture, folder)

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import contextlib
 from typing import Any
 
-from bahrs_driver.devices import LISTENING
+from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.errors import CommandError
 from bahrs_driver.process.printable import printable
 from bahrs_driver.settings.table import BY_NAME, defaults
@@ -24,8 +24,8 @@ def read_settings(rules: Sequence[str], sensor: str) -> tuple[Mapping[str, Any],
 
     CommandError and ParameterError say what is wrong with a rule.
     """
-    settings = {**defaults(), 'sensor': sensor, **LISTENING.get(sensor, {})}
-    fixed = {'sensor': sensor, **LISTENING.get(sensor, {})}
+    fixed = {'sensor': sensor, **DEVICES[sensor].recorded_settings}
+    settings = {**defaults(), **fixed}
     given: dict[str, Any] = {}
     notes: list[str] = []
     for rule in rules:

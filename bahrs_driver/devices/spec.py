@@ -1,69 +1,43 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the driver needs of a sensor, whichever it is."""
+"""
+What the driver knows of a kind of device.
 
-from collections.abc import Callable, Container, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Protocol
+docs/adding-a-device.md adds a device step by step. A method imports ROS only if it returns
+something of ROS: `bahrs decode` and `bahrs emulate` work without it.
+"""
 
-from bahrs_driver.clock import Clock
-from bahrs_driver.diagnostics.task import Task
-from bahrs_driver.protocol.framing import Framer
-from bahrs_driver.transport.nvm_reader import NvmReader
-from bahrs_driver.transport.receiver import Codec
-from bahrs_driver.transport.requester import Requester
+from abc import ABC, abstractmethod
+from collections.abc import Collection, Mapping
+from typing import Any, ClassVar, TYPE_CHECKING
 
+from bahrs_driver.protocol.framing import FrameFormat
 
-class Converter(Protocol):
-    """What turns device messages into ROS messages."""
-
-    def lost(self, stamp_ns: int) -> Iterator[tuple[str, Any]]:
-        """Forget the stream, and return what is to be said about its end."""
-
-    def silent(self, stamp_ns: int) -> Iterator[tuple[str, Any]]:
-        """Return what is to be said about a stream that pauses."""
-
-    def convert(self, message: Any, stamp_ns: int) -> Iterator[tuple[str, Any]]:
-        """Return the topics and ROS messages that a device message becomes."""
+if TYPE_CHECKING:
+    from bahrs_driver.devices.parts import Parts
 
 
-class Health(Protocol):
-    """What watches the messages of a device."""
+class DeviceSpec(ABC):
+    """One kind of device."""
 
-    tasks: Sequence[Task]
+    name: ClassVar[str]                     # value of the parameter `sensor`
+    label: ClassVar[str]                    # name in sentences
+    # Settings that a recording requires: nothing can be requested from it.
+    recorded_settings: ClassVar[Mapping[str, Any]] = {}
+    needs_read_times: ClassVar[bool] = False    # messages hold no time of the device
 
-    def observe(self, message: Any, now: float) -> None:
-        """Take a message, received at a time in seconds (monotonic)."""
+    @abstractmethod
+    def frame_format(self) -> FrameFormat:
+        """Return the frame format with default settings."""
 
-    def opened(self) -> None:
-        """Take note that another stream begins."""
+    @abstractmethod
+    def topics(self) -> Mapping[str, type]:
+        """Return the message type of each topic."""
 
-    def stale(self, now: float) -> bool:
-        """Return whether the data has ceased, at a time in seconds (monotonic)."""
+    def latched(self) -> Collection[str]:
+        """Return the topics whose last message a late subscriber receives."""
+        return ()
 
-    @property
-    def lost(self) -> int:
-        """Messages lost since the start."""
-
-    def device_id(self) -> str:
-        """Return the name that the device gives itself; empty if it did not."""
-
-
-@dataclass(frozen=True)
-class Sensor:
-    """The parts that drive one kind of device."""
-
-    framer: Framer
-    codec: Codec
-    clock: Clock
-    converter: Converter
-    health: Health
-    topics: Mapping[str, type]
-    latched: Container[str]                         # topics that a late joiner gets the last of
-    protocol: Callable[[], Mapping[str, str]]       # what was detected, for diagnostics
-    silence_timeout: float                          # s without data that are reported
-    silence_hint: str                               # what to look at then
-    nvm: NvmReader | None = None                    # for devices whose memory can be read
-    requester: Requester | None = None              # for devices that speak when asked
-    warnings: Sequence[str] = ()                    # what the user should know of the settings
-    take_notices: Callable[[], list[str]] = list    # and of the data, since the last call
+    @abstractmethod
+    def parts(self, settings: Mapping[str, Any]) -> 'Parts':
+        """Return new parts for one stream."""

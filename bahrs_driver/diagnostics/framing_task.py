@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from bahrs_driver.diagnostics.task import ERROR, OK, STALE, Verdict, WARN
 from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.protocol.framing import Framer, FramingCounters
-from bahrs_driver.protocol.recognition import sensor_of
 from bahrs_driver.transport.receiver import LinkCounters
 
 ENOUGH_BYTES = 200          # without a frame among them to say that something is wrong
@@ -22,18 +21,21 @@ class FramingTask:
     name = 'Framing'
 
     def __init__(self, framer: Framer, counters: LinkCounters, baud_rate: int, sensor: str,
-                 protocol: Callable[[], Mapping[str, str]], error_share: float) -> None:
+                 protocol: Callable[[], Mapping[str, str]],
+                 recognize: Callable[[bytes], str], error_share: float) -> None:
         """
         Watch a framer.
 
-        protocol tells what was detected of the device's protocol. Above error_share of damaged
-        frames the line is called unusable; any damaged frame is a warning.
+        protocol returns detected properties of the device's protocol, recognize the name of the
+        device whose frames some bytes contain. Above error_share of damaged frames the line is
+        unusable; any damaged frame is a warning.
         """
         self._framer = framer
         self._counters = counters
         self._baud_rate = baud_rate
         self._sensor = sensor
         self._protocol = protocol
+        self._recognize = recognize
         self._error_share = error_share
         self._unusable = False
         self._last_frame = (0, 0), 0    # frames, by opening of the port, and bytes up to it
@@ -95,7 +97,7 @@ class FramingTask:
 
     def _look_at_bytes(self) -> str:
         sample = self._counters.last_bytes
-        other = sensor_of(sample)
+        other = self._recognize(sample)
         if other and other != self._sensor:
             return f'A {other} is on this port, not a {self._sensor}: set parameter sensor to it'
         text = sum(byte in b'\r\n\t' or 0x20 <= byte < 0x7F for byte in sample)

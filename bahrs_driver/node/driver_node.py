@@ -10,7 +10,7 @@ from typing import Any
 
 from bahrs_driver.bag.read_metadata import Origin
 from bahrs_driver.convert import raw, ros
-from bahrs_driver.devices import ROS_CLOCK, SENSORS
+from bahrs_driver.devices.registry import DEVICES, recognize
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.guarded_task import GuardedTask
 from bahrs_driver.diagnostics.link_task import LinkTask
@@ -65,49 +65,52 @@ class DriverNode(Node):
         self._parameter_requests = ParameterRequests(self, settings)
         keep_host_time(self)
         self._link = _link(settings)
-        self._sensor = sensor = SENSORS[settings['sensor']](settings, self._link)
-        self.receiver = Receiver(self._link, sensor.framer, sensor.codec, sensor.clock, self,
-                                 self.faults)
-        self._time_task = TimeTask(sensor.clock, sensor.health.stale)
-        self._counts = dict.fromkeys(sensor.topics, 0)
-        self._link_task = LinkTask(self._link, self.receiver.counters, sensor.silence_timeout,
-                                   sensor.silence_hint, lambda: count_trouble(
-                                       sensor.framer.counters, sensor.health.lost))
+        self._spec = spec = DEVICES[settings['sensor']]
+        self._parts = parts = spec.parts(settings)
+        self._live = live = parts.live(self._link)
+        self.receiver = Receiver(self._link, parts.framer, live.requester or parts.codec,
+                                 parts.clock, self, self.faults)
+        self._time_task = TimeTask(parts.clock, parts.health.stale)
+        self._counts = dict.fromkeys(spec.topics(), 0)
+        self._link_task = LinkTask(self._link, self.receiver.counters, parts.silence_timeout,
+                                   parts.silence_hint, lambda: count_trouble(
+                                       parts.framer.counters, parts.health.lost))
         self._monitor = self._make_monitor(settings)
         self._problems = self._make_problem_log()
         self._gate = SubscriberGate(settings['startup.wait_for_subscribers'])
         self._reporting = Lock()        # or an older report could overtake a newer one
         self._latched = {topic: create_latched(self, message_type, topic, self._publisher)
-                         for topic, message_type in sensor.topics.items()
-                         if topic in sensor.latched}
+                         for topic, message_type in spec.topics().items()
+                         if topic in spec.latched()}
         self._data = {topic: self._latched.get(topic) or self._publisher(message_type, topic)
-                      for topic, message_type in sensor.topics.items()}
-        self._sensor_name, self._byte_ns = settings['sensor'], 0
+                      for topic, message_type in spec.topics().items()}
+        self._byte_ns = 0
         self._raw = None
         if settings['publish.raw']:
             self._raw = self._publisher(UInt8MultiArray, raw.TOPIC)
         self._diagnostics = self._publisher(DiagnosticArray, '/diagnostics')
-        self._listen_for_pulses(settings['time.sync_pulse.reference'])
+        if parts.pulse_topic:
+            self._listen_for_pulses(parts.pulse_topic)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(DIAGNOSTICS_PERIOD, self._report, clock=steady)
         self.create_timer(WATCH_PERIOD, self._watch, clock=steady)
         self.create_service(SelfTest, '~/self_test', self._self_test)
-        if sensor.nvm:
-            self._nvm_services = NvmServices(self, sensor.nvm, self.faults)
-        for sentence in (*given.warnings(), *sensor.warnings):
+        if live.nvm:
+            self._nvm_services = NvmServices(self, live.nvm, self.faults)
+        for sentence in (*given.warnings(), *parts.warnings):
             self._log.warning(sentence)
 
     @property
     def threads(self) -> Mapping[str, Callable[[], None]]:
         """Functions that each run in a thread until stop() is called, by name."""
-        requester = self._sensor.requester
+        requester = self._live.requester
         return {'the reading thread': self._read,
                 **({'the requesting thread': requester.run} if requester else {})}
 
     def stop(self) -> None:
         """Make the threads end soon."""
-        if self._sensor.requester:
-            self._sensor.requester.stop()
+        if self._live.requester:
+            self._live.requester.stop()
         self._gate.open()
         self.receiver.stop()
 
@@ -118,15 +121,15 @@ class DriverNode(Node):
 
     def leave_device(self) -> None:
         """Leave diagnostics mode if the driver entered it."""
-        if self._sensor.nvm:
-            self._sensor.nvm.end('the driver is ending')
+        if self._live.nvm:
+            self._live.nvm.end('the driver is ending')
 
     def link_opened(self) -> None:
         """Begin another stream."""
         self._byte_ns = self._link.byte_time_ns
-        if self._sensor.requester:
-            self._sensor.requester.opened()
-        self._sensor.health.opened()
+        if self._live.requester:
+            self._live.requester.opened()
+        self._parts.health.opened()
         self._report_change()
 
     def link_usable(self) -> None:
@@ -138,18 +141,18 @@ class DriverNode(Node):
         """End the stream, and log why there is no data unless that is known."""
         if not known:
             self._log.error(reason)
-        if self._sensor.nvm:
-            self._sensor.nvm.lost(reason)
-        if self._sensor.requester:
-            self._sensor.requester.lost()
+        if self._live.nvm:
+            self._live.nvm.lost(reason)
+        if self._live.requester:
+            self._live.requester.lost()
         self.faults.survive('publishing that data is lost', lambda: self._publish(
-            self._sensor.converter.lost(time.time_ns())))
+            self._parts.converter.lost(time.time_ns())))
         self._report_change()
 
     def bytes_read(self, reading: Reading) -> None:
         """Publish the bytes of a read if publish.raw is set, and the loss of a stale stream."""
         if self._raw:
-            origin = Origin(self._sensor_name, self.receiver.counters.times_opened,
+            origin = Origin(self._spec.name, self.receiver.counters.times_opened,
                             self._byte_ns, reading.now.ros_ns, reading.now.raw_ns)
             self.faults.survive('publishing raw', self._raw.publish,
                                 raw.message(reading.data, origin.label()))
@@ -162,20 +165,20 @@ class DriverNode(Node):
         self._notice_silence()
 
     def _notice_silence(self) -> None:
-        if self._sensor.health.stale(time.monotonic()):
-            self._publish(self._sensor.converter.silent(time.time_ns()))
+        if self._parts.health.stale(time.monotonic()):
+            self._publish(self._parts.converter.silent(time.time_ns()))
 
     def received(self, batch: list[Received]) -> None:
         """Publish what the messages of one read become."""
         now, survive = time.monotonic(), self.faults.survive
-        sensor = self._sensor
+        parts, nvm = self._parts, self._live.nvm
         for message, frame, stamp_ns in batch:
             survive(f'publishing {message.NAME}', self._publish_message, message, stamp_ns)
-            survive('watching the data', sensor.health.observe, message, now)
-            if sensor.nvm:
-                survive('reading the memory', sensor.nvm.receive, message, frame)
+            survive('watching the data', parts.health.observe, message, now)
+            if nvm:
+                survive('reading the memory', nvm.receive, message, frame)
         survive('watching the clock', self._time_task.update, now)
-        for sentence in sensor.take_notices():
+        for sentence in parts.take_notices():
             self._log.warning(sentence)
         self._report_change()
 
@@ -199,25 +202,23 @@ class DriverNode(Node):
         self._log.warning(sentence)
         self._time_task.notice(sentence, time.monotonic())
 
-    def _listen_for_pulses(self, reference: str) -> None:
-        if reference == ROS_CLOCK:
-            return
+    def _listen_for_pulses(self, topic: str) -> None:
         try:
             # A reliable subscription would get nothing from a best-effort publisher.
             self.create_subscription(
-                TimeReference, reference, self._on_pulse_reference,
+                TimeReference, topic, self._on_pulse_reference,
                 QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT),
                 qos_overriding_options=QoSOverridingOptions.with_default_policies())
         except NameValidationException as error:
             raise ParameterError(
-                f"parameter time.sync_pulse.reference is {reference!r}: it must be '{ROS_CLOCK}' "
+                f"parameter time.sync_pulse.reference is {topic!r}: it must be 'ros_clock' "
                 'or the name of a topic') from error
 
     def _on_pulse_reference(self, message: TimeReference) -> None:
-        self._sensor.clock.pulse_reference(ros.nanoseconds(message.header))
+        self._parts.clock.pulse_reference(ros.nanoseconds(message.header))
 
     def _publish_message(self, message: Any, stamp_ns: int) -> None:
-        self._publish(self._sensor.converter.convert(message, stamp_ns))
+        self._publish(self._parts.converter.convert(message, stamp_ns))
 
     def _publish(self, outgoing: Iterable[tuple[str, Any]]) -> None:
         for topic, message in outgoing:
@@ -237,17 +238,18 @@ class DriverNode(Node):
 
     def _self_test(self, _: SelfTest.Request, response: SelfTest.Response) -> SelfTest.Response:
         return answer(self._monitor.verdicts(), self._monitor.hardware_id,
-                      self._sensor.health.device_id(), response)
+                      self._parts.health.device_id(), response)
 
     def _make_monitor(self, settings: Mapping[str, Any]) -> Monitor:
-        sensor, counters = self._sensor, self.receiver.counters
+        spec, parts, counters = self._spec, self._parts, self.receiver.counters
         tasks: list[Task] = [
             self._link_task,
-            FramingTask(sensor.framer, counters, self._link.baud_rate, settings['sensor'],
-                        sensor.protocol, settings['diagnostics.damaged_share']),
+            FramingTask(parts.framer, counters, self._link.baud_rate, spec.name,
+                        parts.protocol, recognize, settings['diagnostics.damaged_share']),
             self._time_task,
-            *sensor.health.tasks,
-            PublishingTask(self._counts, sensor.silence_timeout, sensor.latched, self.faults)]
+            *parts.health.tasks,
+            *self._live.tasks,
+            PublishingTask(self._counts, parts.silence_timeout, spec.latched(), self.faults)]
         return Monitor([GuardedTask(task, self.faults) for task in tasks],
                        node_label(self.get_name(), self.get_namespace(),
                                   settings['diagnostics.qualified_name']),

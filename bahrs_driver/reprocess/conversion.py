@@ -18,9 +18,8 @@ from bahrs_driver.bag.read_metadata import Origin
 from bahrs_driver.clock import Clock, Instant, SampleClock, Stamped
 from bahrs_driver.clock.estimation.smoother import Survey
 from bahrs_driver.convert import raw
-from bahrs_driver.convert.bahrs import nvm_page
-from bahrs_driver.devices import Sensor
-from bahrs_driver.protocol.bahrs.messages import NvmPage
+from bahrs_driver.devices.parts import Parts
+from bahrs_driver.devices.spec import DeviceSpec
 from bahrs_driver.reprocess import replay_diagnostics
 from bahrs_driver.reprocess.byte_times import DeviceTimed
 from bahrs_driver.reprocess.replay_diagnostics import FlightHealth
@@ -30,7 +29,6 @@ from std_msgs.msg import UInt8MultiArray
 
 HOLD = 10 * NS_PER_S            # that a message may come late in the stream
 MOST_HELD = 50_000              # messages, ten times what comes in that time
-MakeSensor = Callable[[], Sensor]
 
 
 class Output(Protocol):
@@ -66,17 +64,17 @@ class Played(NamedTuple):
 class Conversion:
     """Converts one capture."""
 
-    def __init__(self, capture: Capture, settings: Mapping[str, Any], make_sensor: MakeSensor,
+    def __init__(self, capture: Capture, settings: Mapping[str, Any], spec: DeviceSpec,
                  start_ns: int | None = None) -> None:
         """
-        Take the capture, the parameters of the driver, and how to make the parts of its sensor.
+        Convert a capture of a device with the parameters of the driver.
 
         start_ns is the ROS time of the first time message of a capture without times; without it
         stamps are device time.
         """
         self._given = capture
         self._settings = settings
-        self._make_sensor = make_sensor
+        self._spec = spec
         self._start_ns = start_ns
         self._heap: list[tuple[int, int, str, Any]] = []
         self._count = self._first = self._last = 0
@@ -85,36 +83,38 @@ class Conversion:
     def run(self, output: Output, progress: Callable[[str], None]) -> Outcome:
         """Convert into an output. progress is called now and then with the name of the pass."""
         capture, clock = self._survey(progress)
-        sensor = self._make_sensor()
-        clock = clock or sensor.clock
-        topics = dict(sensor.topics)
+        parts = self._make_parts()
+        clock = clock or parts.clock
+        topics = dict(self._spec.topics())
         if self._given.timed:
             topics[raw.TOPIC] = UInt8MultiArray
-        if sensor.nvm:
-            topics[nvm_page.TOPIC] = UInt8MultiArray
+        topics.update(parts.service_topics)
         topics[replay_diagnostics.TOPIC] = DiagnosticArray
-        health = FlightHealth(sensor, clock, self._settings)
-        output.begin(topics, {topic for topic in topics if topic in sensor.latched})
+        health = FlightHealth(self._spec, parts, clock, self._settings)
+        output.begin(topics, {topic for topic in topics if topic in self._spec.latched()})
         log_clock = LogClock()
-        for played in _play(capture, sensor, clock, log_clock):
+        for played in _play(capture, parts, clock, log_clock):
             progress('converting')
-            self._convert(played, sensor, health)
+            self._convert(played, parts, health)
             self._release(output, played.moment.log_ns - HOLD)
         self._release(output, None)
-        self.notices = sensor.take_notices()
-        counters = sensor.framer.counters
+        self.notices = parts.take_notices()
+        counters = parts.framer.counters
         return Outcome(counters.frames, counters.skipped_bytes, self._count, self._first,
                        self._last, log_clock.sentences())
 
-    def _convert(self, played: Played, sensor: Sensor, health: FlightHealth) -> None:
+    def _make_parts(self) -> Parts:
+        return self._spec.parts(self._settings)
+
+    def _convert(self, played: Played, parts: Parts, health: FlightHealth) -> None:
         chunk, moment, batch, lost = played
-        now, converter = moment.log_ns, sensor.converter
+        now, converter = moment.log_ns, parts.converter
         self._tell(health.before(now))
         for message, _, stamp_ns in batch:
             self._take(converter.convert(message, stamp_ns), stamp_ns - moment.offset,
                        health.counts)
-            if isinstance(message, NvmPage):
-                self._hold(now, nvm_page.TOPIC, nvm_page.message(message.page, message.data))
+            for topic, page in parts.service_messages(message):
+                self._hold(now, topic, page)
         if lost:
             self._take(converter.lost(moment.ros_ns), now, health.counts)
         self._tell(health.after(chunk, moment, batch))
@@ -123,23 +123,23 @@ class Conversion:
 
     def _survey(self, progress: Callable[[str], None]) -> tuple[Capture, Clock | None]:
         """Return the capture with times, and a clock that knows all of it, if any can."""
-        sensor = self._make_sensor()
+        parts = self._make_parts()
         if not self._given.timed:
             timed = DeviceTimed(
-                self._given, lambda: self._make_sensor().framer, sensor.codec,
+                self._given, lambda: self._make_parts().framer, parts.codec,
                 self._settings['time.label'], self._start_ns, progress)
             return timed, timed.clock(
                 round(self._settings['time.fixed_latency'] * NS_PER_S))
-        if not isinstance(sensor.clock, SampleClock):
+        if not isinstance(parts.clock, SampleClock):
             return self._given, None
         survey = Survey()
-        for _ in _play(self._given, sensor, sensor.clock.with_tracker(survey), LogClock()):
+        for _ in _play(self._given, parts, parts.clock.with_tracker(survey), LogClock()):
             progress('looking at the clock')
-        return self._given, sensor.clock.with_tracker(survey.lines())
+        return self._given, parts.clock.with_tracker(survey.lines())
 
     def _raw(self, chunk: Chunk) -> tuple[str, UInt8MultiArray]:
         read_at = chunk.read_at or 0
-        origin = Origin(self._settings['sensor'], chunk.opening, self._given.byte_ns or 0, read_at,
+        origin = Origin(self._spec.name, chunk.opening, self._given.byte_ns or 0, read_at,
                         read_at if chunk.raw_at is None else chunk.raw_at)
         return raw.TOPIC, raw.message(chunk.data, origin.label())
 
@@ -166,10 +166,10 @@ class Conversion:
             output.write(topic, self._last, message)
 
 
-def _play(capture: Capture, sensor: Sensor, clock: Clock, log_clock: LogClock
+def _play(capture: Capture, parts: Parts, clock: Clock, log_clock: LogClock
           ) -> Iterator[Played]:
     """Stamp a capture as the receiver would; yield each chunk with what it completes."""
-    framer, codec = sensor.framer, sensor.codec
+    framer, codec = parts.framer, parts.codec
     last: Chunk | None = None
     moment = Moment(0, 0, 0)
     for chunk in capture.chunks():

@@ -12,7 +12,9 @@ from typing import Any
 from bahrs_driver.bag.capture import Chunk
 from bahrs_driver.bag.log_clock import Moment
 from bahrs_driver.clock import Clock, Stamped
-from bahrs_driver.devices import Sensor
+from bahrs_driver.devices.parts import Parts
+from bahrs_driver.devices.registry import recognize
+from bahrs_driver.devices.spec import DeviceSpec
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.monitor import Monitor
 from bahrs_driver.diagnostics.publishing_task import PublishingTask
@@ -29,21 +31,22 @@ LONGEST_SILENCE = 60 * NS_PER_S         # that is told of every second
 class FlightHealth:
     """Watches a capture being played. Times are log times in ns, stamps are ROS time."""
 
-    def __init__(self, sensor: Sensor, clock: Clock, settings: Mapping[str, Any]) -> None:
-        self.counts = dict.fromkeys(sensor.topics, 0)       # messages made, by topic
-        self._health, self._clock = sensor.health, clock
+    def __init__(self, spec: DeviceSpec, parts: Parts, clock: Clock,
+                 settings: Mapping[str, Any]) -> None:
+        self.counts = dict.fromkeys(spec.topics(), 0)       # messages made, by topic
+        self._health, self._clock = parts.health, clock
         self._counters = LinkCounters()
-        self._time_task = TimeTask(clock, sensor.health.stale)
+        self._time_task = TimeTask(clock, parts.health.stale)
         self._now = self._due = self._offset = 0
         self._opening: int | None = None
-        self._publishing_task = PublishingTask(self.counts, sensor.silence_timeout,
-                                               sensor.latched)
+        self._publishing_task = PublishingTask(self.counts, parts.silence_timeout,
+                                               spec.latched())
         self._monitor = Monitor(
-            [FramingTask(sensor.framer, self._counters, settings['baud_rate'],
-                         settings['sensor'], sensor.protocol,
+            [FramingTask(parts.framer, self._counters, settings['baud_rate'],
+                         spec.name, parts.protocol, recognize,
                          settings['diagnostics.damaged_share']),
-             self._time_task, *sensor.health.tasks, self._publishing_task],
-            'bahrs_driver', settings['sensor'], lambda: self._now / NS_PER_S)
+             self._time_task, *parts.health.tasks, self._publishing_task],
+            'bahrs_driver', spec.name, lambda: self._now / NS_PER_S)
 
     def before(self, now: int) -> Iterator[tuple[int, DiagnosticArray]]:
         """Return the reports that were due before a moment, each with its time."""

@@ -6,10 +6,9 @@ from pathlib import Path
 import re
 
 from bahrs_driver.cli.convert_settings import read_settings
-from bahrs_driver.devices import SENSORS
+from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.errors import CommandError, ParameterError
 from bahrs_driver.settings.table import defaults, PARAMETERS
-from bahrs_driver.transport.link import Link
 from hypothesis import given, settings, strategies as st
 import pytest
 from support.recorded_settings import RecordedSettings, values_of
@@ -61,7 +60,7 @@ def test_settings_without_effect():
 
 @settings(max_examples=60)
 @given(name=st.sampled_from([parameter.name for parameter in PARAMETERS]),
-       sensor=st.sampled_from(sorted(SENSORS)), data=st.data())
+       sensor=st.sampled_from(sorted(DEVICES)), data=st.data())
 def test_what_no_part_reads_is_said_to_have_no_effect(name, sensor, data):
     """Each parameter alone, with a valid value."""
     (parameter,) = (parameter for parameter in PARAMETERS if parameter.name == name)
@@ -73,7 +72,7 @@ def test_what_no_part_reads_is_said_to_have_no_effect(name, sensor, data):
         assert name == 'sensor' or name.endswith('.rate')
         return
     recorded = RecordedSettings(values)
-    SENSORS[sensor](recorded, Link(values['port'], values['baud_rate']))
+    DEVICES[sensor].parts(recorded)
     if name not in recorded.read | OF_CONVERSION:
         assert any(f'{name} (' in note for note in notes)
 

@@ -2,11 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of what each task says, and when."""
 
-from dataclasses import replace
 import random
 from types import SimpleNamespace
 
-from bahrs_driver.diagnostics.device_task import DeviceTask
+from bahrs_driver.devices.registry import recognize
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.link_task import LinkTask
 from bahrs_driver.diagnostics.publishing_task import PublishingTask
@@ -15,7 +14,7 @@ from bahrs_driver.diagnostics.task import ERROR, OK, STALE, WARN
 from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec
-from bahrs_driver.protocol.bahrs.messages import HardwareVersion, Navigation, SoftwareVersion
+from bahrs_driver.protocol.bahrs.messages import Navigation
 from bahrs_driver.protocol.framing import FramingCounters
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.transport.receiver import LinkCounters, SAMPLE_SIZE
@@ -82,7 +81,8 @@ def test_traffic_is_told_against_the_baud_rate():
 def framing_verdict(received, frames, failures, skipped, last_bytes=b'\xff' * 99):
     """Return the verdict after a second that brought so much."""
     framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters()
-    task = FramingTask(framer, counters, 115200, 'bahrs', lambda: {'CRC order': 'word'}, 0.1)
+    task = FramingTask(framer, counters, 115200, 'bahrs', lambda: {'CRC order': 'word'},
+                       recognize, 0.1)
     task.judge(0.0)
     counters.bytes_received, counters.last_bytes = received, last_bytes
     framer.counters.frames, framer.counters.crc_failures = frames, failures
@@ -123,7 +123,7 @@ def test_the_other_sensor_is_named():
     """Its frames are as good a proof as ours."""
     bahrs = BahrsCodec().encode(NAVIGATION, 3)
     framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters()
-    task = FramingTask(framer, counters, 115200, 'titan_m', dict, 0.1)
+    task = FramingTask(framer, counters, 115200, 'titan_m', dict, recognize, 0.1)
     task.judge(0.0)
     counters.bytes_received, counters.last_bytes = 8000, (bahrs * 12)[-SAMPLE_SIZE:]
     assert task.judge(1.0) == (
@@ -133,7 +133,7 @@ def test_the_other_sensor_is_named():
 def test_a_wrong_device_that_says_little_is_told_as_well():
     """A sentence of 70 bytes a second, as GNSS receivers have it; not after a new opening."""
     framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters(times_opened=1)
-    task = FramingTask(framer, counters, 115200, 'bahrs', dict, 0.1)
+    task = FramingTask(framer, counters, 115200, 'bahrs', dict, recognize, 0.1)
     for second in range(6):
         counters.bytes_received += 70
         counters.last_bytes = b'$GPGGA,123519,4807.038,N*47\r\n'
@@ -146,7 +146,7 @@ def test_a_wrong_device_that_says_little_is_told_as_well():
 def test_a_share_of_damage_at_the_limit_is_not_another_level_at_every_frame():
     """Each change of level is reported at once."""
     framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters()
-    task, levels = FramingTask(framer, counters, 115200, 'bahrs', dict, 0.1), []
+    task, levels = FramingTask(framer, counters, 115200, 'bahrs', dict, recognize, 0.1), []
     chance = random.Random(3)
     for index in range(9000):
         counters.bytes_received += 24
@@ -161,7 +161,7 @@ def test_a_share_of_damage_at_the_limit_is_not_another_level_at_every_frame():
 def test_a_device_of_an_unknown_version_is_told():
     """Its frames are intact, and not one of them is understood."""
     framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters()
-    task = FramingTask(framer, counters, 115200, 'bahrs', dict, 0.1)
+    task = FramingTask(framer, counters, 115200, 'bahrs', dict, recognize, 0.1)
     task.judge(0.0)
     counters.bytes_received = 8000
     framer.counters.unknown_types.add('0x01 of version 4', 300)
@@ -205,32 +205,6 @@ def test_a_fault_of_the_driver_is_shown_for_a_while():
         WARN, 'Fault of the driver: publishing imu/data failed: ValueError: no')
     assert task.judge(12.0).level == STALE
     assert task.values(12.0)['Faults of the driver'] == '1'
-
-
-def test_device_tells_what_it_is():
-    """Its name needs the unique number; versions are shown as they come."""
-    task = DeviceTask(lambda now: False)
-    assert task.device_id == '' and 'only at power-on' in task.judge(0.0).message
-    task.observe(SoftwareVersion('OSS', 2, 7))
-    assert task.device_id == '' and task.judge(0.0) == (OK, 'OSS 2.7')
-    task.observe(HardwareVersion(0x450, (1, 2, 0xABCDEF01)))
-    assert task.device_id == 'OSS-0000000100000002ABCDEF01'
-    assert task.values(0.0) == {'Device id': 'OSS-0000000100000002ABCDEF01',
-                                'Software version': 'OSS 2.7', 'MCU': '0x0450',
-                                'MCU unique number': '0000000100000002ABCDEF01',
-                                'NVM session': 'none'}
-
-
-def test_an_impossible_height_names_the_parameter():
-    """As long as it is there, and only if the device says that it is available."""
-    task, low = DeviceTask(lambda now: False), replace(NAVIGATION, pressure_height=-5812.0)
-    task.observe(replace(low, health=(GONE,) + (SAFE,) * 4))
-    assert task.judge(0.0).level == OK
-    task.observe(low)
-    assert task.judge(0.0).level == WARN
-    assert 'pressure_height.format' in task.judge(0.0).message
-    task.observe(NAVIGATION)
-    assert task.judge(0.0).level == OK
 
 
 def test_a_window_covers_one_span_to_two():

@@ -11,11 +11,11 @@ from collections.abc import Iterator
 
 from bahrs_driver.bag.serialization import serialized
 from bahrs_driver.clock import Instant
-from bahrs_driver.devices import LISTENING, SENSORS
+from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.errors import LinkError
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.settings.table import defaults
-from bahrs_driver.transport.link import Link, Reading
+from bahrs_driver.transport.link import Reading
 from bahrs_driver.transport.receiver import Receiver
 from golden_inputs import BYTE_NS, Input, Read, SECOND
 from support.polled import make_titan, PolledDevice
@@ -25,9 +25,9 @@ EVENTS = 'events'       # name under which notices and failures stand beside the
 
 def node_path(source: Input, changes: dict[str, object]) -> list[tuple[str, bytes]]:
     """Return topic and serialised message of all that the node publishes for an input."""
-    settings = {**defaults(), 'sensor': source.sensor, **LISTENING.get(source.sensor, {}),
-                **changes}
-    sensor = SENSORS[source.sensor](settings, Link('/dev/null', 115200))
+    spec = DEVICES[source.sensor]
+    settings = {**defaults(), 'sensor': spec.name, **spec.recorded_settings, **changes}
+    sensor = spec.parts(settings)
     node = _Node(sensor)
     node.receiver = Receiver(_ScriptedLink(source.openings), sensor.framer, sensor.codec,
                              sensor.clock, node, FaultLog(node.note, lambda _: None))
@@ -41,7 +41,7 @@ def polled_path(changes: dict[str, object]) -> list[tuple[str, bytes]]:
                           faults={'bit_flip': 0.0003}, mode=0.002)
     polled.run(10.0)
     settings = {**defaults(), 'sensor': 'titan_m', **changes}
-    sensor = SENSORS['titan_m'](settings, Link('/dev/null', 115200))
+    sensor = DEVICES['titan_m'].parts(settings)
     return [(topic, serialized(message)) for _, item in polled.received
             for topic, message in sensor.converter.convert(item.message, item.stamp_ns)]
 

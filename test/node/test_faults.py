@@ -37,7 +37,7 @@ PLACES = {
                    'RuntimeError("\\x1b[2J no memory")'),
     'watching the clock': ('from bahrs_driver.clock import SampleClock', 'SampleClock.state',
                            'KeyError(3)'),
-    'watching': ('from bahrs_driver.devices.bahrs_health import BahrsHealth',
+    'watching': ('from bahrs_driver.devices.bahrs.health import BahrsHealth',
                  'BahrsHealth.observe', 'StopIteration()'),
 }
 

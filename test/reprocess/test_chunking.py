@@ -8,7 +8,7 @@ import random
 
 from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.clock import Instant
-from bahrs_driver.devices import SENSORS
+from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, build_frame
 from bahrs_driver.protocol.bahrs.messages import (
     Accuracy, Inertial, InertialTime, Navigation, NavigationTime, SoftwareVersion, SyncPulseTime,
@@ -17,7 +17,6 @@ from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.reprocess.conversion import Conversion
 from bahrs_driver.settings.table import defaults
-from bahrs_driver.transport.link import Link
 from hypothesis import example, given, settings, strategies as st
 import pytest
 
@@ -104,7 +103,7 @@ def plain(message):
 
 def live(sizes):
     """Return topics and messages in the order in which the node publishes them."""
-    sensor = SENSORS['bahrs'](SETTINGS, Link('loop://', 115200))
+    sensor = DEVICES['bahrs'].parts(SETTINGS)
     sensor.clock.begin(BYTE_NS)
     published = []
     for data, raw in chunks(sizes):
@@ -149,8 +148,7 @@ class ByTopic:
 def converted(path, sizes):
     """Return the messages of each topic of a converted capture."""
     output = ByTopic()
-    Conversion(Pieces(path, sizes), SETTINGS, lambda: SENSORS['bahrs'](
-        SETTINGS, Link('loop://', 115200))).run(output, lambda what: None)
+    Conversion(Pieces(path, sizes), SETTINGS, DEVICES['bahrs']).run(output, lambda what: None)
     return output.messages
 
 
@@ -177,7 +175,7 @@ def as_received(message):
 
 def test_it_is_what_the_device_sent(whole):
     """Each message becomes what it becomes alone, in the order of the stream."""
-    sensor = SENSORS['bahrs'](SETTINGS, Link('loop://', 115200))
+    sensor = DEVICES['bahrs'].parts(SETTINGS)
     alone = [(topic, plain(message)) for _, sent in messages(3)
              for topic, message in sensor.converter.convert(
                  as_received(sent), ORIGIN)]

@@ -10,6 +10,7 @@ from bahrs_driver.bag.capture import Chunk
 from bahrs_driver.bag.read_capture import read_capture
 from bahrs_driver.convert.bahrs.converter import TOPICS
 from bahrs_driver.convert.titan_m.converter import TOPICS as TITAN_TOPICS
+from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec
 from bahrs_driver.protocol.bahrs.messages import InertialTime, NvmPage
 from bahrs_driver.protocol.bahrs.nvm_session import PAGE_SIZE
@@ -17,7 +18,7 @@ from bahrs_driver.protocol.titan_m.messages import StateRequest
 from bahrs_driver.reprocess.conversion import Conversion
 from bahrs_driver.settings.table import defaults
 import pytest
-from support.conversions import converted, flight, Kept, made, ORIGIN, Pieces, S, stamps
+from support.conversions import converted, flight, Kept, ORIGIN, Pieces, S, stamps
 from support.emulated import decoded, emissions, make_device
 from support.polled import PolledDevice
 
@@ -219,7 +220,7 @@ def test_a_capture_whose_time_stands_still_is_converted_in_little_memory(tmp_pat
     """What is held until it is in order is limited in number, too; nothing of it is lost."""
     monkeypatch.setattr('bahrs_driver.reprocess.conversion.MOST_HELD', 200)
     chunks = [chunk._replace(read_at=ORIGIN, raw_at=5 * S) for chunk in flight(4.0)[0]]
-    conversion = Conversion(Pieces(chunks, tmp_path), defaults(), lambda: made(defaults()))
+    conversion = Conversion(Pieces(chunks, tmp_path), defaults(), DEVICES['bahrs'])
     kept, held = Kept(), []
     conversion.run(kept, lambda what: held.append(len(conversion._heap)))
     assert max(held) <= 200

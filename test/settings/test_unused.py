@@ -5,10 +5,9 @@
 from pathlib import Path
 import re
 
-from bahrs_driver.devices import SENSORS
+from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.settings.table import BY_NAME, defaults, PARAMETERS
 from bahrs_driver.settings.unused import RATES, unused_parameters, why_unused
-from bahrs_driver.transport.link import Link
 from hypothesis import given, HealthCheck, settings, strategies as st
 import pytest
 from support.recorded_settings import RecordedSettings, values_of
@@ -29,7 +28,7 @@ OF_THE_NODE = {'port', 'baud_rate'} | {
 def test_what_no_part_reads_is_listed(values):
     """Whatever the values are; so a parameter that is added for one device names it."""
     recorded = RecordedSettings(values)
-    SENSORS[values['sensor']](recorded, Link(values['port'], values['baud_rate']))
+    DEVICES[values['sensor']].parts(recorded)
     listed = {name.split()[0] for name in unused_parameters(values, values)}
     assert set(BY_NAME) - recorded.read - OF_THE_NODE <= listed
 

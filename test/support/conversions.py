@@ -3,10 +3,9 @@
 """Conversions of captures that are made in memory, and what they write."""
 
 from bahrs_driver.bag.capture import Capture, Chunk
-from bahrs_driver.devices import LISTENING, SENSORS
+from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.reprocess.conversion import Conversion
 from bahrs_driver.settings.table import defaults
-from bahrs_driver.transport.link import Link
 from support.emulated import make_device, make_emulation
 
 S = 1_000_000_000
@@ -49,16 +48,11 @@ class Pieces(Capture):
         return iter(self._chunks)
 
 
-def made(settings):
-    """Return the parts of a sensor."""
-    return SENSORS[settings['sensor']](settings, Link('/dev/null', 115200))
-
-
 def converted(capture, start=None, sensor='bahrs', **changes):
     """Convert a capture; return what came and the outcome."""
-    settings = {**defaults(), **LISTENING.get(sensor, {}), 'sensor': sensor, **changes}
+    settings = {**defaults(), **DEVICES[sensor].recorded_settings, 'sensor': sensor, **changes}
     kept = Kept()
-    outcome = Conversion(capture, settings, lambda: made(settings), start).run(
+    outcome = Conversion(capture, settings, DEVICES[sensor], start).run(
         kept, lambda what: None)
     return kept, outcome
 

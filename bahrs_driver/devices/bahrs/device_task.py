@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Task *Device*: what the device says of itself."""
+"""Diagnostics task *Device* of a BAHRS: versions and identifier."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -9,24 +9,24 @@ from bahrs_driver.diagnostics.task import NO_DATA, OK, STALE, Staleness, Verdict
 from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.bahrs.messages import HardwareVersion, Navigation, SoftwareVersion
 
-# What no aircraft reaches: the pressure height read as int16 falls here above 4,500 m.
+# Below any aircraft: a pressure height above 4,500 m, read as int16, falls here.
 IMPOSSIBLE_HEIGHT = -1000.0         # m
 
 
 class DeviceTask:
-    """Remembers what the device says of itself."""
+    """Reports versions and identifier of the device, and an implausible pressure height."""
 
     name = 'Device'
 
-    def __init__(self, stale: Staleness, nvm_status: Callable[[], str] = lambda: 'none') -> None:
+    def __init__(self, stale: Staleness) -> None:
+        self.nvm_status: Callable[[], str] = lambda: 'none'     # of the session on the port
         self._stale = stale
-        self._nvm_status = nvm_status
         self._software: SoftwareVersion | None = None
         self._hardware: HardwareVersion | None = None
         self._impossible_height = False
 
     def observe(self, message: Any) -> None:
-        """Take a message."""
+        """Store what a message reports of the device."""
         if isinstance(message, SoftwareVersion):
             self._software = message
         elif isinstance(message, HardwareVersion):
@@ -44,7 +44,7 @@ class DeviceTask:
         return project + _words(self._hardware)
 
     def judge(self, now: float) -> Verdict:
-        """Return whether what it says is possible."""
+        """Return the version, or a warning about an implausible pressure height."""
         if self._stale(now):
             return Verdict(STALE, NO_DATA)
         if self._impossible_height:
@@ -55,7 +55,7 @@ class DeviceTask:
         return Verdict(OK, self._version(self._software))
 
     def values(self, now: float) -> Mapping[str, str]:
-        """Return the versions."""
+        """Return versions, identifier and NVM session."""
         values = dict.fromkeys(
             ('Device id', 'Software version', 'MCU', 'MCU unique number'), 'not heard')
         if self._software:
@@ -64,7 +64,7 @@ class DeviceTask:
             values['Device id'] = self.device_id
             values['MCU'] = f'0x{self._hardware.mcu_id:04X}'
             values['MCU unique number'] = _words(self._hardware)
-        values['NVM session'] = self._nvm_status()
+        values['NVM session'] = self.nvm_status()
         return values
 
     @staticmethod

@@ -1,12 +1,12 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which device bytes are from."""
+"""Tests of the registry of devices."""
 
 import random
 
+from bahrs_driver.devices.registry import recognize
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec
 from bahrs_driver.protocol.bahrs.messages import NavigationTime
-from bahrs_driver.protocol.recognition import sensor_of
 from bahrs_driver.protocol.titan_m.frames import build_answer
 from bahrs_driver.protocol.titan_m.messages import State
 import pytest
@@ -23,6 +23,6 @@ TITAN_M = build_answer(State(*[(0.0,) * 3] * 4))
     (NOISE, ''),
     (b'', ''),
 ])
-def test_one_whole_frame_is_proof(data, name):
-    """Wherever it stands; nothing less is."""
-    assert sensor_of(data) == name
+def test_one_whole_frame_identifies_a_device(data, name):
+    """The frame may stand anywhere; a part of a frame identifies none."""
+    assert recognize(data) == name

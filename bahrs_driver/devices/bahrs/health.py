@@ -1,46 +1,50 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tasks that are about a BAHRS and its stream."""
+"""Diagnostics of a BAHRS and its stream."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from bahrs_driver.diagnostics.device_task import DeviceTask
+from bahrs_driver.devices.bahrs.device_task import DeviceTask
 from bahrs_driver.diagnostics.rates_task import RatesTask
 from bahrs_driver.diagnostics.signals_task import SignalsTask
 from bahrs_driver.diagnostics.task import Task
 from bahrs_driver.protocol.bahrs.messages import SoftwareVersion
 from bahrs_driver.protocol.integrity import Integrity
 
-# Messages a second of a device of any version.
+# Hz, of a device of any version.
 EXPECTED_RATES = {'inertial': 200.0, 'navigation': 100.0, 'accuracy': 10.0,
                   'navigation_time': 10.0, 'inertial_time': 10.0}
 
 
 class BahrsHealth:
-    """Watches the messages of a BAHRS."""
+    """Monitors the messages of a BAHRS."""
 
     def __init__(self, signals: Mapping[str, Integrity | None], rate_tolerance: float,
-                 stale_timeout: float, nvm_status: Callable[[], str]) -> None:
-        """Take the integrity of each signal, kept up to date by its owner, and the NVM's state."""
+                 stale_timeout: float) -> None:
+        """Monitor the integrity of each signal in a mapping that the converter updates."""
         self._rates = RatesTask(EXPECTED_RATES, rate_tolerance, stale_timeout)
-        self._device = DeviceTask(self._rates.stale, nvm_status)
+        self._device = DeviceTask(self._rates.stale)
         self.tasks: Sequence[Task] = (
             self._rates, SignalsTask(signals, self._rates.stale), self._device)
 
+    def watch_nvm(self, status: Callable[[], str]) -> None:
+        """Show the status of the NVM session."""
+        self._device.nvm_status = status
+
     def observe(self, message: Any, now: float) -> None:
-        """Take a message, received at a time in seconds (monotonic)."""
-        if isinstance(message, SoftwareVersion):        # it is sent at power-on, and only then
+        """Update the tasks with a message, received at a monotonic time in seconds."""
+        if isinstance(message, SoftwareVersion):        # sent at power-on only
             self._rates.restart()
         self._rates.observe(message, now)
         self._device.observe(message)
 
     def opened(self) -> None:
-        """Begin another stream."""
+        """Start a new stream."""
         self._rates.restart()
 
     def stale(self, now: float) -> bool:
-        """Return whether the data has ceased, at a time in seconds (monotonic)."""
+        """Return whether data has stopped, at a monotonic time in seconds."""
         return self._rates.stale(now)
 
     @property
@@ -49,5 +53,5 @@ class BahrsHealth:
         return sum(self._rates.lost.values())
 
     def device_id(self) -> str:
-        """Return the name that the device gives itself; empty if it did not."""
+        """Return the identifier that the device reports; empty if it has not."""
         return self._device.device_id

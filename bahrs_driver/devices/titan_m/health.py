@@ -1,13 +1,12 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tasks that are about a Titan-M and its answers."""
+"""Diagnostics of a Titan-M and its answers."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from bahrs_driver.diagnostics.losses import RequestLosses
 from bahrs_driver.diagnostics.rates_task import RatesTask
-from bahrs_driver.diagnostics.requests_task import RequestsTask
 from bahrs_driver.diagnostics.task import (
     NO_DATA, OK, STALE, Staleness, Task, Verdict, WARN,
 )
@@ -16,24 +15,20 @@ from bahrs_driver.protocol.titan_m.poller import Poller
 
 
 class TitanDeviceTask:
-    """Task *Device*: what the answers say of the device."""
+    """Diagnostics task *Device* of a Titan-M: byte order and GPS."""
 
     name = 'Device'
 
     def __init__(self, reader: PayloadReader[int], gps: Callable[[], str],
                  week_problem: Callable[[], str], stale: Staleness) -> None:
-        """
-        Watch the detector of the byte order.
-
-        gps describes the fix, week_problem what is wrong with the GPS week.
-        """
+        """Monitor the byte-order detector; callables describe the GPS fix and its week."""
         self._stale = stale
         self._reader = reader
         self._gps = gps
         self._week_problem = week_problem
 
     def judge(self, now: float) -> Verdict:
-        """Return whether answers come and can be read."""
+        """Return whether answers arrive and can be decoded."""
         if self._stale(now):
             return Verdict(STALE, NO_DATA)
         reader, gps = self._reader, self._gps()
@@ -49,7 +44,7 @@ class TitanDeviceTask:
         return Verdict(WARN if gps == 'no fix' else OK, f'GPS: {gps}')
 
     def values(self, now: float) -> Mapping[str, str]:
-        """Return what is known."""
+        """Return the detected byte order, the GPS fix and the counts of answers."""
         reader = self._reader
         return {'Payload byte order': reader.order or 'not known yet', 'GPS': self._gps(),
                 'Answers held': str(reader.held),
@@ -57,35 +52,32 @@ class TitanDeviceTask:
 
 
 class TitanHealth:
-    """Watches the answers of a Titan-M."""
+    """Monitors the answers of a Titan-M."""
 
     def __init__(self, rates: Mapping[str, float], tolerance: float, stale_timeout: float,
                  poller: Poller | None, reader: PayloadReader[int],
-                 gps: Callable[[], str], week_problem: Callable[[], str],
-                 write_error: Callable[[], str]) -> None:
+                 gps: Callable[[], str], week_problem: Callable[[], str]) -> None:
         """
-        Watch answers of these rates by name, and what RequestsTask and TitanDeviceTask watch.
+        Monitor answers with the given rates by name.
 
-        Without a poller, nothing is asked.
+        Without a poller, answers to other programs arrive and none can be lost.
         """
         self._rates = RatesTask(
             rates, tolerance, stale_timeout,
             RequestLosses(lambda: poller.lost_by_name if poller else {}))
-        requests = [RequestsTask(poller, self._rates.stale, write_error)] if poller else []
         self.tasks: Sequence[Task] = (
-            self._rates, *requests,
-            TitanDeviceTask(reader, gps, week_problem, self._rates.stale))
+            self._rates, TitanDeviceTask(reader, gps, week_problem, self._rates.stale))
 
     def observe(self, message: Any, now: float) -> None:
-        """Take a message, received at a time in seconds (monotonic)."""
+        """Update the tasks with a message, received at a monotonic time in seconds."""
         self._rates.observe(message, now)
 
     def opened(self) -> None:
-        """Begin another stream."""
+        """Start a new stream."""
         self._rates.restart()
 
     def stale(self, now: float) -> bool:
-        """Return whether the data has ceased, at a time in seconds (monotonic)."""
+        """Return whether data has stopped, at a monotonic time in seconds."""
         return self._rates.stale(now)
 
     @property
@@ -94,5 +86,5 @@ class TitanHealth:
         return sum(self._rates.lost.values())
 
     def device_id(self) -> str:
-        """Return nothing: the device has no name for itself."""
+        """Return nothing: the device reports no identifier."""
         return ''

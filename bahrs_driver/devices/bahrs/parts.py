@@ -1,44 +1,59 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The parts that drive a BAHRS."""
+"""The parts that work on a stream of a BAHRS."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 import math
 from typing import Any
 
 from bahrs_driver.clock import ArrivalStamps, Clock, ClockOptions, SampleClock
 from bahrs_driver.convert.axes import CONVENTIONS
-from bahrs_driver.convert.bahrs.converter import BahrsConverter, BahrsOptions, LATCHED, TOPICS
+from bahrs_driver.convert.bahrs import nvm_page
+from bahrs_driver.convert.bahrs.converter import BahrsConverter, BahrsOptions
 from bahrs_driver.convert.bahrs.integrity_policy import Appraisal
-from bahrs_driver.devices.bahrs_health import BahrsHealth
-from bahrs_driver.devices.spec import Sensor
+from bahrs_driver.devices.bahrs.health import BahrsHealth
+from bahrs_driver.devices.parts import LivePart, Parts
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.messages import NvmPage
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.nvm_reader import NvmReader
 from bahrs_driver.units import NS_PER_S
+from std_msgs.msg import UInt8MultiArray
 
 ROS_CLOCK = 'ros_clock'
 SILENCE_HINT = ('is the device powered, and is its line connected? A Titan-M sends nothing unless '
                 'asked: for one, set parameter sensor to titan_m')
 
 
-def bahrs(settings: Mapping[str, Any], link: Link) -> Sensor:
-    """Return the parts for a BAHRS on a link."""
+def make_parts(settings: Mapping[str, Any]) -> Parts:
+    """Return new parts for one stream of a BAHRS."""
     frame_format = BahrsFormat(settings['crc_order'])
     converter = BahrsConverter(_options(settings))
-    nvm = NvmReader(link, lambda: frame_format.version_seen)
+    reference = settings['time.sync_pulse.reference']
     silence_timeout = settings['diagnostics.silence_timeout']
     health = BahrsHealth(converter.signals, settings['diagnostics.rate_tolerance'],
-                         silence_timeout, lambda: nvm.status)
+                         silence_timeout)
 
     def protocol() -> Mapping[str, str]:
         return {'Protocol version': str(frame_format.version_seen or 'not seen yet'),
                 'CRC order': frame_format.order_seen or 'not seen yet'}
 
-    return Sensor(Framer(frame_format), BahrsCodec(settings['pressure_height.format']),
-                  _clock(settings), converter, health, TOPICS, LATCHED, protocol,
-                  silence_timeout, SILENCE_HINT, nvm)
+    def live(link: Link) -> LivePart:
+        nvm = NvmReader(link, lambda: frame_format.version_seen)
+        health.watch_nvm(lambda: nvm.status)
+        return LivePart(nvm=nvm)
+
+    return Parts(
+        Framer(frame_format), BahrsCodec(settings['pressure_height.format']), _clock(settings),
+        converter, health, silence_timeout, SILENCE_HINT, protocol=protocol, live=live,
+        pulse_topic='' if reference == ROS_CLOCK else reference,
+        service_topics={nvm_page.TOPIC: UInt8MultiArray}, service_messages=_service_messages)
+
+
+def _service_messages(message: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(message, NvmPage):
+        yield nvm_page.TOPIC, nvm_page.message(message.page, message.data)
 
 
 def _clock(settings: Mapping[str, Any]) -> Clock:

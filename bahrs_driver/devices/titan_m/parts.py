@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The parts that drive a Titan-M."""
+"""The parts that work on a stream of a Titan-M."""
 
 from collections.abc import Iterator, Mapping
 import math
@@ -9,10 +9,11 @@ from typing import Any
 from bahrs_driver.clock import ArrivalStamps, Clock, ExchangeClock
 from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.titan_m.converter import (
-    LATCHED, TitanConverter, TitanDeviations, TitanOptions, TOPICS,
+    TitanConverter, TitanDeviations, TitanOptions,
 )
-from bahrs_driver.devices.spec import Sensor
-from bahrs_driver.devices.titan_m_health import TitanHealth
+from bahrs_driver.devices.parts import LivePart, Parts
+from bahrs_driver.devices.titan_m.health import TitanHealth
+from bahrs_driver.devices.titan_m.requests_task import RequestsTask
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.titan_m.byte_order import PayloadReader
 from bahrs_driver.protocol.titan_m.frames import (
@@ -28,13 +29,11 @@ from bahrs_driver.units import byte_time_ns, NS_PER_S
 SILENCE_HINT = 'is the device powered, are both of its lines connected, and is {} its baud rate?'
 UNASKED_HINT = ('nothing is asked, as state.rate, gps.rate and sensors.rate are 0, and another '
                 'program seems not to ask either')
-PAUSES = 2.5            # periods of the most frequent answer, after which it is silent
-# With these it asks nothing, and takes what comes.
-LISTENING: Mapping[str, Any] = dict.fromkeys(('state.rate', 'gps.rate', 'sensors.rate'), 0.0)
+PAUSES = 2.5            # periods of the most frequent answer before the device counts as silent
 
 
-def titan_m(settings: Mapping[str, Any], link: Link) -> Sensor:
-    """Return the parts for a Titan-M on a link. If nothing is to be asked, it only listens."""
+def make_parts(settings: Mapping[str, Any]) -> Parts:
+    """Return new parts for one stream of a Titan-M; if all rates are 0, they make no requests."""
     frame_format = AnswerFormat(settings['checksum_order'])
     rates = _rates(settings)
     poller = Poller(rates, frame_format, PollOptions(
@@ -43,19 +42,16 @@ def titan_m(settings: Mapping[str, Any], link: Link) -> Sensor:
         retries=settings['request.retries'],
         counted_ids=settings['request.message_id'] == 'counted',
         checksum_order=settings['checksum_order']))
-    requester = Requester(link, poller) if any(rates.values()) else None
-    if requester:
-        frame_format.expected = requester.expected
+    polls = any(rates.values())
     reader = PayloadReader[int](settings['payload_order'])
     converter = TitanConverter(_options(settings, rates), reader)
-    asked = {kind.ANSWER.NAME: rate for kind, rate in rates.items() if rate or not requester}
+    expected = {kind.ANSWER.NAME: rate for kind, rate in rates.items() if rate or not polls}
     silence_timeout = max(settings['diagnostics.silence_timeout'],
-                          PAUSES / max(rates.values()) if requester else 0.0)
+                          PAUSES / max(rates.values()) if polls else 0.0)
     health = TitanHealth(
-        asked, settings['diagnostics.rate_tolerance'], silence_timeout,
-        poller if requester else None, reader, lambda: converter.gps_text,
-        lambda: converter.week_problem,
-        lambda: requester.write_error if requester else '')
+        expected, settings['diagnostics.rate_tolerance'], silence_timeout,
+        poller if polls else None, reader, lambda: converter.gps_text,
+        lambda: converter.week_problem)
 
     def protocol() -> Mapping[str, str]:
         lengths = {kind.NAME: f'0x{length:02X}'
@@ -66,15 +62,23 @@ def titan_m(settings: Mapping[str, Any], link: Link) -> Sensor:
                 'LEN': ', '.join(f'{name} {text}' for name, text in lengths.items())
                 or 'not seen yet'}
 
-    silence_hint = SILENCE_HINT.format(settings['baud_rate']) if requester else UNASKED_HINT
-    return Sensor(Framer(frame_format), requester or AnswerCodec(), _clock(settings),
-                  converter, health, TOPICS, LATCHED, protocol, silence_timeout, silence_hint,
-                  requester=requester, take_notices=converter.take_notices,
-                  warnings=tuple(_warnings(settings, rates)))
+    def live(link: Link) -> LivePart:
+        if not polls:
+            return LivePart()
+        requester = Requester(link, poller)
+        frame_format.expected = requester.expected
+        return LivePart(requester=requester, tasks=[
+            RequestsTask(poller, health.stale, lambda: requester.write_error)])
+
+    silence_hint = SILENCE_HINT.format(settings['baud_rate']) if polls else UNASKED_HINT
+    return Parts(Framer(frame_format), AnswerCodec(), _clock(settings), converter, health,
+                 silence_timeout, silence_hint, protocol=protocol, live=live,
+                 take_notices=converter.take_notices,
+                 warnings=tuple(_warnings(settings, rates)))
 
 
 def _rates(settings: Mapping[str, Any]) -> dict[type[TitanRequest], float]:
-    # Sensors before state: they are what imu/data has of force and rate.
+    # Sensors before state: imu/data takes force and rate from them.
     return {SensorsRequest: settings['sensors.rate'], StateRequest: settings['state.rate'],
             GpsRequest: settings['gps.rate']}
 

@@ -1,0 +1,93 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The parts that work on one stream of a device.
+
+Parts decode, stamp and convert the stream, live or recorded, without a port. A LivePart uses the
+port of a live stream beyond reading it.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from bahrs_driver.clock import Clock
+from bahrs_driver.diagnostics.task import Task
+from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.transport.link import Link
+from bahrs_driver.transport.nvm_reader import NvmReader
+from bahrs_driver.transport.receiver import Codec
+from bahrs_driver.transport.requester import Requester
+
+
+class Converter(Protocol):
+    """Converts device messages to ROS messages."""
+
+    def convert(self, message: Any, stamp_ns: int) -> Iterator[tuple[str, Any]]:
+        """Convert a device message to ROS messages, each with its topic."""
+
+    def lost(self, stamp_ns: int) -> Iterator[tuple[str, Any]]:
+        """Forget the stream, and return messages that report its end."""
+
+    def silent(self, stamp_ns: int) -> Iterator[tuple[str, Any]]:
+        """Return messages that report a pause of the stream."""
+
+
+class Health(Protocol):
+    """Monitors the messages of a device."""
+
+    tasks: Sequence[Task]
+
+    def observe(self, message: Any, now: float) -> None:
+        """Update the tasks with a message, received at a monotonic time in seconds."""
+
+    def opened(self) -> None:
+        """Start a new stream."""
+
+    def stale(self, now: float) -> bool:
+        """Return whether data has stopped, at a monotonic time in seconds."""
+
+    @property
+    def lost(self) -> int:
+        """Messages lost since the start."""
+
+    def device_id(self) -> str:
+        """Return the device's own identifier; empty if it is unknown."""
+
+
+@dataclass(frozen=True)
+class LivePart:
+    """What uses the port of a device beyond reading it."""
+
+    nvm: NvmReader | None = None            # for devices with a readable memory
+    requester: Requester | None = None      # for polled devices
+    tasks: Sequence[Task] = ()              # diagnostics of the requests
+
+
+def _no_live_part(_link: Link) -> LivePart:
+    return LivePart()
+
+
+def _no_messages(_message: Any) -> Iterable[tuple[str, Any]]:
+    return ()
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What decodes, stamps and converts one stream of bytes of a device."""
+
+    framer: Framer
+    codec: Codec
+    clock: Clock
+    converter: Converter
+    health: Health
+    silence_timeout: float                          # s without data before it is reported
+    silence_hint: str                               # the remedy for a silent port
+    protocol: Callable[[], Mapping[str, str]] = dict        # detected properties, by name
+    warnings: Sequence[str] = ()                    # about the settings
+    take_notices: Callable[[], list[str]] = list    # about the data, since the last call
+    live: Callable[[Link], LivePart] = _no_live_part
+    pulse_topic: str = ''                           # with the times of sync pulses, if any
+    # Topics that services of the node publish, regenerated from a recording.
+    service_topics: Mapping[str, type] = field(default_factory=dict)
+    service_messages: Callable[[Any], Iterable[tuple[str, Any]]] = _no_messages

@@ -1,0 +1,32 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""All devices of the driver. No other module lists them."""
+
+from bahrs_driver.devices.bahrs.spec import BahrsSpec
+from bahrs_driver.devices.spec import DeviceSpec
+from bahrs_driver.devices.titan_m.spec import TitanSpec
+from bahrs_driver.protocol.framing import Framer
+
+DEVICES: dict[str, DeviceSpec] = {spec.name: spec for spec in (BahrsSpec(), TitanSpec())}
+DEFAULT = 'bahrs'
+
+
+def all_topics() -> dict[str, type]:
+    """Return the message type of each topic of any device."""
+    return {topic: kind for spec in DEVICES.values() for topic, kind in spec.topics().items()}
+
+
+def all_latched() -> set[str]:
+    """Return the topics of any device whose last message a late subscriber receives."""
+    return {topic for spec in DEVICES.values() for topic in spec.latched()}
+
+
+def recognize(data: bytes) -> str:
+    """Return the name of the device whose frames the data contains; empty if none matches."""
+    for spec in DEVICES.values():
+        framer = Framer(spec.frame_format())
+        framer.feed(data)
+        framer.flush()
+        if framer.counters.frames:
+            return spec.name
+    return ''

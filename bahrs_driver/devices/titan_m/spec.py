@@ -1,0 +1,36 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The specification of the Titan-M."""
+
+from collections.abc import Mapping
+from typing import Any, TYPE_CHECKING
+
+from bahrs_driver.devices.spec import DeviceSpec
+from bahrs_driver.protocol.framing import FrameFormat
+from bahrs_driver.protocol.titan_m.frames import AnswerFormat
+
+if TYPE_CHECKING:
+    from bahrs_driver.devices.parts import Parts
+
+
+class TitanSpec(DeviceSpec):
+    """A Titan-M."""
+
+    name = 'titan_m'
+    label = 'Titan-M'
+    recorded_settings = dict.fromkeys(('state.rate', 'gps.rate', 'sensors.rate'), 0.0)
+    needs_read_times = True
+
+    def frame_format(self) -> FrameFormat:
+        """Return the frame format with default settings."""
+        return AnswerFormat()
+
+    def topics(self) -> Mapping[str, type]:
+        """Return the message type of each topic."""
+        from bahrs_driver.convert.titan_m.converter import TOPICS
+        return TOPICS
+
+    def parts(self, settings: Mapping[str, Any]) -> 'Parts':
+        """Return new parts for one stream; without a rate they make no requests."""
+        from bahrs_driver.devices.titan_m.parts import make_parts
+        return make_parts(settings)
