@@ -19,8 +19,8 @@ from bahrs_driver.bag.message_queue import OVERHEAD, Taken, TakenQueue
 from bahrs_driver.clock import Instant
 from bahrs_driver.devices.registry import DEVICES, recognize
 from bahrs_driver.diagnostics.framing_task import FramingTask
-from bahrs_driver.diagnostics.monitor import Monitor
 from bahrs_driver.diagnostics.time_task import TimeTask
+from bahrs_driver.diagnostics.updater import Updater
 from bahrs_driver.monitor.tally import MOST_ARRIVALS, Tally
 from bahrs_driver.protocol.bahrs.frames import build_frame
 from bahrs_driver.protocol.bahrs.messages import layouts
@@ -48,7 +48,7 @@ class Driver:
         self.live = sensor.live(self.link)
         self.counters, self.time_task = LinkCounters(), TimeTask(sensor.clock, sensor.health.stale)
         self.now = 0.0
-        self.monitor = Monitor(
+        self.updater = Updater(
             [FramingTask(sensor.framer, self.counters, 115200, sensor_name, sensor.protocol,
                          recognize, 0.1),
              self.time_task, *sensor.health.tasks, *self.live.tasks],
@@ -57,7 +57,7 @@ class Driver:
     def begin(self):
         """Begin a stream."""
         self.sensor.clock.begin(86_806)
-        self.sensor.health.opened()
+        self.sensor.health.restart()
         if self.live.requester:
             self.live.requester.opened()
 
@@ -100,7 +100,7 @@ class Driver:
 
     def diagnostics(self):
         """Return how many characters /diagnostics holds."""
-        return sum(len(item.key) + len(item.value) for status in self.monitor.statuses()
+        return sum(len(item.key) + len(item.value) for status in self.updater.statuses()
                    for item in status.values)
 
 

@@ -8,10 +8,64 @@ import sys
 
 from bahrs_driver.convert.bahrs.converter import TOPICS as BAHRS_TOPICS
 from bahrs_driver.convert.titan_m.converter import TOPICS as TITAN_TOPICS
+from bahrs_driver.devices.titan_m_health import TitanDeviceTask
+from bahrs_driver.diagnostics.device_task import DeviceTask
+from bahrs_driver.diagnostics.framing_task import FramingTask
+from bahrs_driver.diagnostics.integrity_task import IntegrityTask
+from bahrs_driver.diagnostics.link_task import LinkTask
+from bahrs_driver.diagnostics.publishing_task import PublishingTask
+from bahrs_driver.diagnostics.rates_task import RatesTask
+from bahrs_driver.diagnostics.requests_task import RequestsTask
+from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.settings.parameter import Parameter
 from bahrs_driver.settings.table import PARAMETERS
 
 README = Path(__file__).resolve().parents[1] / 'README.md'
+TASKS = (LinkTask, FramingTask, RatesTask, RequestsTask, IntegrityTask, TimeTask, DeviceTask,
+         TitanDeviceTask, PublishingTask)
+LEVELS = ('OK', 'WARN', 'ERROR', 'STALE')
+# What stands in the messages of the table for each field.
+EXAMPLES: dict[str, object] = {
+    'baud_rate': 115200,
+    'command': '"fuser -v /dev/ttyUSB0"',
+    'count': 3,
+    'counts': '3 inertial, 1 navigation',
+    'event': "the host's clock was set by +0.500000 s",
+    'failures': 1,
+    'fault': 'publishing inertial failed: OverflowError: too large',
+    'found': 'titan_m',
+    'gps': 'no fix',
+    'group': 'dialout',
+    'hint': 'is the device powered, and is its line connected?',
+    'holders': ' (minicom, process 4711)',
+    'name': '/dev/ttyUSB0',
+    'order': 'big',
+    'port': '/dev/ttyUSB0',
+    'problem': 'It is week 2300 by gps.week and week 2417 by the clock of the host, which is '
+               'used: correct gps.week, or leave it 0',
+    'programs': 'cat, process 4711',
+    'rates': 'inertial at 180 Hz instead of 200',
+    'remedy': 'lower state.rate, gps.rate or sensors.rate',
+    'sensor': 'bahrs',
+    'server': 'socket://host:4001',
+    'share': 0.3,
+    'signals': 'magnetic_heading unavailable, roll integrity risk',
+    'signals_at_risk': 'roll integrity risk',
+    'skipped': 24,
+    'user': 'you',
+    'why_lost': 'the other end of the connection has not answered for 5 s, check its power and '
+                'the network',
+    'write_error': '/dev/ttyUSB0 does not take data: it has accepted nothing for 1 s',
+}
+
+
+def diagnostics_table() -> str:
+    """Return the messages of all diagnostic tasks as a Markdown table."""
+    rows = ['| what is wrong | task | level | message |', '|---|---|---|---|']
+    rows += [f'| {message.cause} | {task.name} | {LEVELS[ord(message.level)]} '
+             f'| {message.text.format(**EXAMPLES)} |'
+             for task in TASKS for message in task.messages if message.cause]
+    return '\n'.join(rows)
 
 
 def parameter_table() -> str:
@@ -23,9 +77,10 @@ def parameter_table() -> str:
 
 
 def with_tables(text: str) -> str:
-    """Return the README with its generated part made anew."""
-    pattern = re.compile(r'(<!-- parameters -->\n).*?(<!-- end -->)', re.DOTALL)
-    return pattern.sub(lambda match: match[1] + parameter_table() + '\n' + match[2], text)
+    """Return the README with its tables generated again."""
+    tables = {'parameters': parameter_table, 'diagnostics': diagnostics_table}
+    pattern = re.compile(rf'(<!-- ({"|".join(tables)}) -->\n).*?(<!-- end -->)', re.DOTALL)
+    return pattern.sub(lambda match: match[1] + tables[match[2]]() + '\n' + match[3], text)
 
 
 def missing_topics(text: str) -> list[str]:

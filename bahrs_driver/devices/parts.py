@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from bahrs_driver.clock import Clock
-from bahrs_driver.diagnostics.task import Task
+from bahrs_driver.diagnostics.stream_health import StreamHealth
+from bahrs_driver.diagnostics.task import DiagnosticTask
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.nvm_reader import NvmReader
@@ -33,35 +34,13 @@ class Converter(Protocol):
         """Return messages that report a pause of the stream."""
 
 
-class Health(Protocol):
-    """Monitors the messages of a device."""
-
-    tasks: Sequence[Task]
-
-    def observe(self, message: Any, now: float) -> None:
-        """Update the tasks with a message, received at a monotonic time in seconds."""
-
-    def opened(self) -> None:
-        """Start a new stream."""
-
-    def stale(self, now: float) -> bool:
-        """Return whether data has stopped, at a monotonic time in seconds."""
-
-    @property
-    def lost(self) -> int:
-        """Messages lost since the start."""
-
-    def device_id(self) -> str:
-        """Return the device's own identifier; empty if it is unknown."""
-
-
 @dataclass(frozen=True)
 class LivePart:
     """What uses the port of a device beyond reading it."""
 
     nvm: NvmReader | None = None            # for devices with a readable memory
     requester: Requester | None = None      # for polled devices
-    tasks: Sequence[Task] = ()              # diagnostics of the requests
+    tasks: Sequence[DiagnosticTask] = ()              # diagnostics of the requests
 
 
 def _no_live_part(_link: Link) -> LivePart:
@@ -80,7 +59,7 @@ class Parts:
     codec: Codec
     clock: Clock
     converter: Converter
-    health: Health
+    health: StreamHealth
     silence_timeout: float                          # s without data before it is reported
     silence_hint: str                               # the remedy for a silent port
     protocol: Callable[[], Mapping[str, str]] = dict        # detected properties, by name

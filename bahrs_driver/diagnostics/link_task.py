@@ -1,56 +1,63 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Task *Link*: whether the port is open, and bytes come."""
+"""Task *Link*: whether the port is open and bytes arrive."""
 
 from collections.abc import Callable, Mapping
 
 from bahrs_driver.diagnostics.sharing_watch import SharingWatch
-from bahrs_driver.diagnostics.task import ago, ERROR, OK, Verdict
+from bahrs_driver.diagnostics.task import ERROR, Message, OK, seconds_ago, Status
 from bahrs_driver.diagnostics.window import Window
+from bahrs_driver.transport.explain import CAUSES
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.receiver import LinkCounters
 from bahrs_driver.units import BITS_PER_BYTE
 
+NOT_OPEN = Message(ERROR, '{port} is not open yet')
+FAILED = Message(ERROR, '{reason}')
+SILENT = Message(ERROR, '{port} is open but silent: {hint}', 'a silent device')
+SHARED = Message(ERROR, 'another program is reading {port} and takes bytes from the driver '
+                        '({programs}): end it, {command} lists all',
+                 'another program takes bytes')
+OPEN = Message(OK, '{port} is open')
+
 
 class LinkTask:
-    """Watches the port."""
+    """
+    Watches the port.
+
+    The link is silent after silence_timeout seconds without a byte; silence_hint is what to check
+    then. count_trouble returns how many frames were damaged or lost so far, which another program
+    that reads the port may have caused.
+    """
 
     name = 'Link'
+    messages = (SHARED, SILENT, *(Message(ERROR, text, cause) for cause, text in CAUSES.items()),
+                FAILED, NOT_OPEN, OPEN)
 
     def __init__(self, link: Link, counters: LinkCounters, silence_timeout: float,
-                 silence_hint: str, trouble: Callable[[], int]) -> None:
-        """
-        Watch a link; it is silent after silence_timeout seconds without a byte.
-
-        silence_hint is the remedy for a silent link. trouble returns how many frames
-        were damaged or lost so far, which may be the work of another program.
-        """
+                 silence_hint: str, count_trouble: Callable[[], int]) -> None:
         self._link = link
         self._counters = counters
         self._silence_timeout = silence_timeout
         self._silence_hint = silence_hint
-        self._sharing = SharingWatch(link, trouble)
+        self._sharing = SharingWatch(link, count_trouble)
         self._window = Window(lambda: (counters.bytes_received,))
 
-    def judge(self, now: float) -> Verdict:
-        """Return whether the port is open and bytes arrive."""
+    def run(self, status: Status) -> Status:
+        """Report whether the port is open and bytes arrive."""
+        status.values_from(self._values)
         counters, port = self._counters, self._link.name
         open_since = counters.open_since        # once: the receiver's thread may close it now
         if open_since is None:
-            return Verdict(ERROR, counters.error or f'{port} is not open yet')
-        if self._silent(open_since, now):
-            return Verdict(ERROR, f'{port} is open but silent: {self._silence_hint}'
-                                  f'{self._what_else(now)}')
-        sharing = self._sharing.sentence(now)
-        return Verdict(ERROR, sharing) if sharing else Verdict(OK, f'{port} is open')
-
-    def _what_else(self, now: float) -> str:
-        """Return what else is known of a silent port, after the end of the hint."""
-        stop = '' if self._silence_hint.endswith(('?', '.')) else '.'
-        if self._link.is_network:
-            return f'{stop} The connection to the serial server is up.'
-        names = self._sharing.names(now)
-        return names and f'{stop} Another program has it open, too ({names}).'
+            return status.summary(FAILED, reason=counters.error) if counters.error else \
+                status.summary(NOT_OPEN, port=port)
+        if self._silent(open_since, status.now):
+            return status.summary(SILENT, port=port, hint=self._hint(status.now))
+        programs = self._sharing.programs(status.now)
+        if programs:
+            return status.summary(SHARED, port=port, programs=programs,
+                                  command=self._sharing.command)
+        return status.summary(OPEN, port=port)
 
     def check_sharing(self, now: float) -> None:
         """Look for other programs that read the port, which takes a while; call it at 1 Hz."""
@@ -58,11 +65,19 @@ class LinkTask:
         if open_since is not None:
             self._sharing.check(now, self._silent(open_since, now))
 
+    def _hint(self, now: float) -> str:
+        """Return what to check, and what else is known of a silent port."""
+        hint = self._silence_hint
+        stop = '' if hint.endswith(('?', '.')) else '.'
+        if self._link.is_network:
+            return f'{hint}{stop} The connection to the serial server is up.'
+        programs = self._sharing.programs(now)
+        return f'{hint}{stop} Another program has it open, too ({programs}).' if programs else hint
+
     def _silent(self, open_since: float, now: float) -> bool:
         return now - max(open_since, self._counters.last_data or 0.0) > self._silence_timeout
 
-    def values(self, now: float) -> Mapping[str, str]:
-        """Return port, traffic and errors."""
+    def _values(self, now: float) -> Mapping[str, str]:
         counters, baud_rate = self._counters, self._link.baud_rate
         elapsed, (received,) = self._window.growth(now)
         rate = received / elapsed if elapsed else 0.0
@@ -70,11 +85,11 @@ class LinkTask:
         return {
             'Port': self._link.name,
             'Baud rate': str(baud_rate),
-            'Open for [s]': 'not open' if open_since is None else ago(open_since, now),
+            'Open for [s]': 'not open' if open_since is None else seconds_ago(open_since, now),
             'Times opened': str(counters.times_opened),
             'Bytes received': str(counters.bytes_received),
             'Bytes per second': f'{rate:.0f}',
             'Use of the line': f'{rate * BITS_PER_BYTE / baud_rate:.0%}',
-            'Last data [s ago]': ago(counters.last_data, now),
+            'Last data [s ago]': seconds_ago(counters.last_data, now),
             'Last error': counters.last_error or 'none',
         }

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""How many messages were lost: told by the counters that they carry, or by who asked for them."""
+"""Count lost messages, by the sequence numbers that they carry or by requests without answer."""
 
 from collections import Counter
 from collections.abc import Callable, Mapping
@@ -9,52 +9,52 @@ from typing import Any, Protocol
 from bahrs_driver.units import COUNTER_MODULUS
 
 
-class Losses(Protocol):
-    """Counts what was lost, by the name of the message."""
+class LossCounter(Protocol):
+    """Counts lost messages, by the name of the message."""
 
     @property
     def lost(self) -> Mapping[str, int]:
         """Messages lost since the start."""
 
     def observe(self, message: Any, flowing: float, rate: float) -> None:
-        """Take a message, the seconds for which the stream has flowed, and its rate in Hz."""
+        """Count a message, with the seconds for which the stream has flowed and its rate in Hz."""
 
     def restart(self) -> None:
-        """Begin to count gaps afresh."""
+        """Ignore the gap before the next message."""
 
 
 class SequenceLosses:
-    """Tells by the gaps in sequence numbers."""
+    """Counts the gaps in sequence numbers."""
 
     def __init__(self) -> None:
         self.lost = Counter[str]()
         self._last: dict[str, tuple[int, float]] = {}
 
     def observe(self, message: Any, flowing: float, rate: float) -> None:
-        """Take a message, the seconds for which the stream has flowed, and its rate in Hz."""
+        """Count a message, with the seconds for which the stream has flowed and its rate in Hz."""
         name, sequence = message.NAME, message.sequence
         self.lost[name] += missing(*self._last[name], sequence, flowing, rate) \
             if name in self._last else 0
         self._last[name] = sequence, flowing
 
     def restart(self) -> None:
-        """Begin to count gaps afresh."""
+        """Ignore the gap before the next message."""
         self._last.clear()
 
 
 class RequestLosses:
-    """Knows from somebody else."""
+    """Reports requests that were never answered; get_lost returns their number by message."""
 
-    def __init__(self, lost: Callable[[], Mapping[str, int]]) -> None:
-        self._lost = lost
+    def __init__(self, get_lost: Callable[[], Mapping[str, int]]) -> None:
+        self._get_lost = get_lost
 
     @property
     def lost(self) -> Mapping[str, int]:
         """Messages lost since the start."""
-        return self._lost()
+        return self._get_lost()
 
-    def observe(self, message: Any, flowing: float, rate: float) -> None:
-        """Do nothing: a message that comes tells nothing of others."""
+    def observe(self, _message: Any, _flowing: float, _rate: float) -> None:
+        """Do nothing: an answer shows no gap."""
 
     def restart(self) -> None:
         """Do nothing: there are no gaps."""
@@ -62,10 +62,10 @@ class RequestLosses:
 
 def missing(last: int, then: float, sequence: int, now: float, rate: float) -> int:
     """
-    Return how many messages came between two that have these counters and times.
+    Return how many messages are missing between two, by their counters and times.
 
-    The counter alone tells it modulo 256; the time in between (s) and the rate (Hz) tell how
-    often it went round. A repeated message is not a loss.
+    The counter gives the number modulo 256; the time in between (s) and the rate (Hz) give the
+    number of turns. A repeated message is not a loss.
     """
     gap = (sequence - last - 1) % COUNTER_MODULUS
     expected = (now - then) * rate - 1

@@ -1,51 +1,50 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Lasting errors of tasks as lines of the log: one when an error begins, one when it is over.
+Log lasting errors of tasks: one line when an error begins, one when it is over.
 
 The user who starts the driver watches the console, not /diagnostics. An error is logged once it
-has lasted for LASTING seconds, and is over once there has been none for as long, so that a line at
-the limit does not fill the log.
+has lasted for MIN_DURATION seconds, and is over once there has been none for as long, which keeps
+a line at the limit from filling the log.
 """
 
 from collections.abc import Callable, Mapping
 
-from bahrs_driver.diagnostics.task import ERROR, STALE, Verdict
+from bahrs_driver.diagnostics.task import ERROR, STALE, Summary
 
-LASTING = 2.0           # s
+MIN_DURATION = 2.0          # s
 
 Log = Callable[[str], None]
 
 
 class ProblemLog:
-    """Logs the errors of several tasks."""
+    """
+    Logs the errors of the tasks named in recoveries.
+
+    error logs the message of a task; info logs the task's sentence in recoveries afterwards.
+    """
 
     def __init__(self, recoveries: Mapping[str, str], error: Log, info: Log) -> None:
-        """
-        Watch the tasks named in recoveries.
-
-        error logs the message of a task; info logs the task's sentence in recoveries afterwards.
-        """
         self._recoveries = recoveries
         self._error = error
         self._info = info
         self._logged: set[str] = set()          # tasks whose error is in the log
-        self._since: dict[str, float] = {}      # and since when they are otherwise
+        self._since: dict[str, float] = {}      # time since when a task differs from the log
 
-    def check(self, verdicts: Mapping[str, Verdict], now: float) -> None:
+    def check(self, summaries: Mapping[str, Summary], now: float) -> None:
         """
-        Take the verdicts at a time of time.monotonic(); call it a few times a second.
+        Check the summaries at a time of time.monotonic(); call it a few times a second.
 
-        A task without a verdict, or a stale one, is neither in error nor right again.
+        A task without a summary, or a stale one, is neither in error nor recovered.
         """
         for name in self._recoveries:
-            verdict = verdicts.get(name)
-            if verdict is None or verdict.level == STALE \
-                    or (verdict.level == ERROR) == (name in self._logged):
+            summary = summaries.get(name)
+            if summary is None or summary.level == STALE \
+                    or (summary.level == ERROR) == (name in self._logged):
                 self._since.pop(name, None)
-            elif now - self._since.setdefault(name, now) >= LASTING:
+            elif now - self._since.setdefault(name, now) >= MIN_DURATION:
                 del self._since[name]
-                self._log(name, verdict.message)
+                self._log(name, summary.message)
 
     def _log(self, name: str, message: str) -> None:
         if name in self._logged:

@@ -1,74 +1,81 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Task *Rates*: whether every message comes as often as it should, and none is lost."""
+"""Task *Rates*: whether every message arrives at its rate, and none is lost."""
 
 from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
-from bahrs_driver.diagnostics.losses import Losses, SequenceLosses
-from bahrs_driver.diagnostics.steadiness import Steadiness
-from bahrs_driver.diagnostics.task import NO_DATA, OK, STALE, Verdict, WARN
+from bahrs_driver.diagnostics.losses import LossCounter, SequenceLosses
+from bahrs_driver.diagnostics.rate_monitor import RateMonitor
+from bahrs_driver.diagnostics.task import Message, NO_DATA, OK, STALE, Status, WARN
 from bahrs_driver.diagnostics.window import Window
 
 RATE_SPAN = 2.0             # s over which a rate is measured
-LONGEST_GAP = 0.5           # s; when nothing at all comes for longer, the device has paused
+LONGEST_GAP = 0.5           # s without any message, above which the device has paused
+SERVICE_TIMEOUT = 6.0       # s after the last request, by which diagnostics mode has ended
+
+LOST = Message(WARN, 'Lost just now: {counts}', 'lost frames')
+WRONG_RATES = Message(WARN, '{rates}', 'a message at a wrong rate')
+DIAGNOSTICS_MODE = Message(STALE, 'The device is in diagnostics mode; it leaves by itself 5 s '
+                                  'after the last request', 'a device in diagnostics mode')
+NOTHING_LOST = Message(OK, 'All messages at their rates')
 
 
 class RatesTask:
-    """Counts the messages of a stream, and those that are missing from it."""
+    """
+    Counts the messages of a stream, and those that are missing from it.
+
+    expected has the rate of each message in Hz, by name; 0 is any rate, and none at all. A rate
+    may differ by the tolerance, a share. Without any of these messages for stale_timeout seconds
+    the stream is stale. Losses are counted by sequence numbers unless another counter is given.
+    """
 
     name = 'Rates'
+    messages = LOST, WRONG_RATES, DIAGNOSTICS_MODE, NO_DATA, NOTHING_LOST
 
     def __init__(self, expected: Mapping[str, float], tolerance: float, stale_timeout: float,
-                 losses: Losses | None = None) -> None:
-        """
-        Expect messages, by name, at a rate in Hz; 0 is any rate, and none at all.
-
-        A rate may be off by the tolerance (a share); without any of these messages for
-        stale_timeout seconds the stream is stale. What is lost is told by sequence numbers
-        unless something else knows.
-        """
+                 losses: LossCounter | None = None) -> None:
         self._expected = expected
         self._stale_timeout = stale_timeout
         self._received = Counter[str]()
-        self._loss_counts = losses or SequenceLosses()
+        self._losses = losses or SequenceLosses()
         self._begun = False
         self._last_any: float | None = None
         self._flowing = 0.0         # s, time in which the stream did not pause
         self._last_service: float | None = None
         self._window = Window(self._counts, RATE_SPAN)
-        self._steadiness = Steadiness(
-            self._counts, list(expected.values()), tolerance, RATE_SPAN)
-        self._losses = Window(lambda: [self.lost.get(name, 0) for name in expected])
+        self._rates = RateMonitor(self._counts, list(expected.values()), tolerance, RATE_SPAN)
+        self._loss_window = Window(lambda: [self.lost.get(name, 0) for name in expected])
 
     @property
     def lost(self) -> Mapping[str, int]:
         """Messages lost since the start, by name."""
-        return self._loss_counts.lost
+        return self._losses.lost
 
     def observe(self, message: Any, now: float) -> None:
         """Count a message."""
         name = message.NAME
         if name not in self._expected:
-            self._notice_service(message, now)
+            if message.SERVICE:
+                self._last_service = now
             return
         if self._last_any is not None:
             self._flowing += min(now - self._last_any, LONGEST_GAP)
             if self._last_service is not None and self._last_service > self._last_any:
                 self.restart()          # the device was asked to pause
             elif self.stale(now):
-                self._begun = False     # that was told, and is no matter of rates
+                self._begun = False     # the pause was reported, and is not a wrong rate
         self._last_any = now
         if not self._begun:
             self._restart_rates()           # they begin with the first message
             self._begun = True
         self._received[name] += 1
-        self._loss_counts.observe(message, self._flowing, self._expected[name])
+        self._losses.observe(message, self._flowing, self._expected[name])
 
     def restart(self) -> None:
-        """Begin to count gaps afresh: the device was switched on, or the port opened again."""
-        self._loss_counts.restart()
+        """Begin another stream: the device was switched on, or the port opened again."""
+        self._losses.restart()
         self._begun = False
         self._restart_rates()
 
@@ -76,50 +83,42 @@ class RatesTask:
         """Return whether the stream has ended."""
         return self._last_any is None or now - self._last_any > self._stale_timeout
 
-    def judge(self, now: float) -> Verdict:
-        """Return whether the stream flows, whole and at its rates."""
+    def run(self, status: Status) -> Status:
+        """Report whether the stream flows, complete and at its rates."""
+        now = status.now
+        status.values_from(self._values)
         if self.stale(now):
-            return self._why_stale(now)
-        _, losses = self._losses.growth(now)
+            return status.summary(DIAGNOSTICS_MODE if self._in_diagnostics_mode(now) else NO_DATA)
+        _, losses = self._loss_window.growth(now)
         self._window.growth(now)
-        wrong = self._steadiness.wrong(now)
+        wrong = self._rates.wrong(now)
         if any(losses):
-            return Verdict(WARN, 'Lost just now: ' + _listed(self._expected, losses))
+            return status.summary(LOST, counts=', '.join(
+                f'{count} {name}' for name, count in zip(self._expected, losses) if count))
         if wrong:
             expected = list(self._expected.items())
-            return Verdict(WARN, ', '.join(
+            return status.summary(WRONG_RATES, rates=', '.join(
                 f'{expected[index][0]} at {rate:.0f} Hz instead of {expected[index][1]:g}'
                 for index, rate in wrong.items()))
-        return Verdict(OK, 'All messages at their rates')
+        return status.summary(NOTHING_LOST)
 
-    def values(self, now: float) -> Mapping[str, str]:
-        """Return rate, count and losses of each message."""
+    def _values(self, now: float) -> Mapping[str, str]:
         elapsed, counts = self._window.growth(now)
-        found = {}
+        values = {}
         for (name, rate), count in zip(self._expected.items(), counts):
             measured = count / elapsed if elapsed else 0.0
-            found[f'{name} [Hz]'] = f'{measured:.1f}' + (f' of {rate:g}' if rate else '')
-            found[f'{name} received'] = str(self._received[name])
-            found[f'{name} lost'] = str(self.lost.get(name, 0))
-        return found
+            values[f'{name} [Hz]'] = f'{measured:.1f}' + (f' of {rate:g}' if rate else '')
+            values[f'{name} received'] = str(self._received[name])
+            values[f'{name} lost'] = str(self.lost.get(name, 0))
+        return values
 
     def _counts(self) -> list[int]:
         return [self._received[name] for name in self._expected]
 
     def _restart_rates(self) -> None:
         self._window.restart()
-        self._steadiness.restart()
+        self._rates.restart()
 
-    def _notice_service(self, message: Any, now: float) -> None:
-        if message.SERVICE:
-            self._last_service = now
-
-    def _why_stale(self, now: float) -> Verdict:
-        if self._last_service is not None and now - self._last_service < self._stale_timeout + 6:
-            return Verdict(STALE, 'The device is in diagnostics mode; it leaves by itself 5 s '
-                                  'after the last request')
-        return Verdict(STALE, NO_DATA)
-
-
-def _listed(names: Mapping[str, float], counts: tuple[int, ...]) -> str:
-    return ', '.join(f'{count} {name}' for name, count in zip(names, counts) if count)
+    def _in_diagnostics_mode(self, now: float) -> bool:
+        return self._last_service is not None \
+            and now - self._last_service < self._stale_timeout + SERVICE_TIMEOUT

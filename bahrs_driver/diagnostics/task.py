@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a task of the diagnostics is."""
+"""The interface of a diagnostic task, after that of diagnostic_updater."""
 
 from collections.abc import Callable, Mapping
 from typing import NamedTuple, Protocol
@@ -11,28 +11,64 @@ OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
 # Returns whether data has ceased, at a time of time.monotonic().
 Staleness = Callable[[float], bool]
-NO_DATA = 'No data from the device'
 
 
-class Verdict(NamedTuple):
-    """How it is, and what to do about it."""
+class Message(NamedTuple):
+    """A message of a task: its level, and its text with the names of fields in braces."""
+
+    level: bytes
+    text: str
+    cause: str = ''         # what is wrong, for the table in the README; '' for no row
+
+
+NO_DATA = Message(STALE, 'No data from the device')
+
+
+class Summary(NamedTuple):
+    """The level of a task, and its message for the user."""
 
     level: bytes
     message: str
 
 
-class Task(Protocol):
-    """One thing that is watched. Times are those of time.monotonic(), in seconds."""
+class Status:
+    """What a task reports at one time. Values are collected only if somebody asks for them."""
+
+    __slots__ = ('now', 'report', '_collect')
+
+    def __init__(self, now: float) -> None:
+        self.now = now                      # s, of time.monotonic()
+        self.report = Summary(STALE, '')
+        self._collect: Callable[[float], Mapping[str, str]] | None = None
+
+    def summary(self, message: Message, **fields: object) -> 'Status':
+        """Set level and message; fields replace the names in braces."""
+        level, text, _ = message
+        self.report = Summary(level, text.format(**fields) if fields else text)
+        return self
+
+    def values_from(self, collect: Callable[[float], Mapping[str, str]]) -> None:
+        """Set the function that returns the values at a time; formatting them takes a while."""
+        self._collect = collect
+
+    def values(self) -> Mapping[str, str]:
+        """Return the values."""
+        return self._collect(self.now) if self._collect else {}
+
+
+class DiagnosticTask(Protocol):
+    """One status on /diagnostics. Times are those of time.monotonic(), in seconds."""
 
     name: str
 
-    def judge(self, now: float) -> Verdict:
-        """Return the present state."""
+    @property
+    def messages(self) -> tuple[Message, ...]:
+        """Every message that the task can report."""
 
-    def values(self, now: float) -> Mapping[str, str]:
-        """Return what the state was judged by."""
+    def run(self, status: Status) -> Status:
+        """Set level and message, fast enough to be called after every read."""
 
 
-def ago(moment: float | None, now: float) -> str:
-    """Return how many seconds ago something was, as text."""
-    return 'never' if moment is None else f'{now - moment:.1f}'
+def seconds_ago(time: float | None, now: float) -> str:
+    """Return the age of an event in seconds, as text."""
+    return 'never' if time is None else f'{now - time:.1f}'

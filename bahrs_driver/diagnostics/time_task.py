@@ -1,63 +1,66 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Task *Time*: how stamps are made, and what happened to the clocks."""
+"""Task *Time*: how stamps are made, and which events concern the clocks."""
 
 from collections.abc import Mapping
 
 from bahrs_driver.clock import Clock, TimeState
-from bahrs_driver.diagnostics.task import NO_DATA, OK, STALE, Staleness, Verdict, WARN
+from bahrs_driver.diagnostics.task import Message, NO_DATA, OK, Staleness, Status, WARN
 
-LOOK_AGAIN = 0.2        # s
-NOTICE_LIFETIME = 5.0   # s that a change is shown
-LONG_CHUNK = 60         # bytes a read, from which on an adapter holds them back
+UPDATE_PERIOD = 0.2     # s
+NOTICE_LIFETIME = 5.0   # s for which an event is shown
+LONG_CHUNK = 60         # bytes a read, above which an adapter holds bytes back
+
+EVENT = Message(WARN, '{event}', 'a host clock that was set, or a device that restarted')
+UNKNOWN_HELD = Message(WARN, 'Device time is not known: samples wait for it')
+UNKNOWN = Message(WARN, 'Device time is not known: stamps are arrival times',
+                  'no time message yet')
+NO_PULSES = Message(WARN, 'No sync pulses: stamps follow the arrival of samples',
+                    'sync pulses missing')
+ARRIVAL = Message(OK, 'Stamps are arrival times, as time.source says')
+REQUESTS_UNKNOWN = Message(OK, 'Stamps are arrival times: the times of the requests are not known')
+NO_ANSWER_YET = Message(OK, 'Nothing answered yet')
+EXCHANGE = Message(OK, 'Stamps are the middle of request and answer, within {spread_ms:.1f} ms')
+DEVICE_TIME = Message(OK, 'Stamps are device time on ROS time')
 
 
 class TimeTask:
-    """Watches a clock, which only the thread that uses it may look at."""
+    """
+    Watches a clock, of which only the thread that uses it may read the state.
+
+    While the data is stale, no stamps are made.
+    """
 
     name = 'Time'
+    messages = (EVENT, UNKNOWN_HELD, UNKNOWN, NO_PULSES, NO_DATA, ARRIVAL, REQUESTS_UNKNOWN,
+                NO_ANSWER_YET, EXCHANGE, DEVICE_TIME)
 
     def __init__(self, clock: Clock, stale: Staleness) -> None:
         self._clock = clock
         self._stale = stale
         self._state = clock.state()
-        self._looked = -LOOK_AGAIN
-        self._notice, self._noticed = '', -NOTICE_LIFETIME
+        self._updated_at = -UPDATE_PERIOD
+        self._event, self._event_at = '', -NOTICE_LIFETIME
 
-    def notice(self, sentence: str, now: float) -> None:
-        """Take what happened to the clocks."""
-        self._notice, self._noticed = sentence, now
+    def notice(self, event: str, now: float) -> None:
+        """Show an event that concerns the clocks for a while."""
+        self._event, self._event_at = event, now
 
     def update(self, now: float) -> None:
-        """Look at the clock, on its thread; not at every read, for that would cost."""
-        if now - self._looked >= LOOK_AGAIN:
-            self._state, self._looked = self._clock.state(), now
+        """Read the state of the clock, on its thread; not at every read, which would be slow."""
+        if now - self._updated_at >= UPDATE_PERIOD:
+            self._state, self._updated_at = self._clock.state(), now
 
-    def judge(self, now: float) -> Verdict:
-        """Return how stamps are made at present."""
-        state = self._state
-        if now - self._noticed < NOTICE_LIFETIME:
-            return Verdict(WARN, self._notice)
-        if self._stale(now):
-            return Verdict(STALE, NO_DATA)
-        if state.source == 'arrival':
-            return Verdict(OK, 'Stamps are arrival times, as time.source says')
-        if state.source == 'exchange' and state.in_use == 'arrival':
-            return Verdict(OK, 'Stamps are arrival times: nobody knows when it was asked')
-        if state.source == 'exchange':
-            return Verdict(OK, 'Stamps are the middle of request and answer, within '
-                               f'{state.spread_us / 1000:.1f} ms'
-                           if state.settled else 'Nothing answered yet')
-        if not state.settled:
-            return Verdict(WARN, 'Device time is not known: samples wait for it'
-                           if state.held else
-                           'Device time is not known: stamps are arrival times')
-        if state.source != state.in_use:
-            return Verdict(WARN, 'No sync pulses: stamps follow the arrival of samples')
-        return Verdict(OK, 'Stamps are device time on ROS time')
+    def run(self, status: Status) -> Status:
+        """Report how stamps are made at present."""
+        status.values_from(self._values)
+        if status.now - self._event_at < NOTICE_LIFETIME:
+            return status.summary(EVENT, event=self._event)
+        if self._stale(status.now):
+            return status.summary(NO_DATA)
+        return status.summary(_message(self._state), spread_ms=self._state.spread_us / 1000)
 
-    def values(self, now: float) -> Mapping[str, str]:
-        """Return what the clock knows."""
+    def _values(self, _now: float) -> Mapping[str, str]:
         state = self._state
         return {
             'Source': state.source,
@@ -69,6 +72,18 @@ class TimeTask:
             'Median chunk [bytes]': str(state.median_chunk),
             'Advice': _advice(state),
         }
+
+
+def _message(state: TimeState) -> Message:
+    if state.source == 'arrival':
+        return ARRIVAL
+    if state.source == 'exchange':
+        if state.in_use == 'arrival':
+            return REQUESTS_UNKNOWN
+        return EXCHANGE if state.settled else NO_ANSWER_YET
+    if not state.settled:
+        return UNKNOWN_HELD if state.held else UNKNOWN
+    return DEVICE_TIME if state.source == state.in_use else NO_PULSES
 
 
 def _exchange(state: TimeState) -> Mapping[str, str]:

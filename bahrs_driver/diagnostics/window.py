@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""How counters changed over the last second or two."""
+"""Measure how counters changed over the last second or two."""
 
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -11,21 +11,20 @@ Counts = tuple[int, ...]
 
 class Window:
     """
-    Remembers counters for a while, to tell how much they grew.
+    Remembers the counters that read returns, to measure how much they grew.
 
-    What is told covers at least one span, if the window has existed for so long, and less than
-    two. One thread may ask while another begins anew.
+    The growth covers at least one span in seconds, if the window has existed for so long, and less
+    than two. One thread may call growth() while another calls restart().
     """
 
     def __init__(self, read: Callable[[], Sequence[int]], span: float = 1.0) -> None:
-        """Watch the counters that read returns over a span in seconds."""
         self._read = read
         self._span = span
         self._marks: deque[tuple[float, Counts]] = deque()
         self._lock = threading.Lock()
 
     def restart(self) -> None:
-        """Forget what was, and begin to remember anew."""
+        """Forget the counters."""
         with self._lock:
             self._marks.clear()
 

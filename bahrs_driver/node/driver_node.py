@@ -12,16 +12,15 @@ from bahrs_driver.bag.read_metadata import Origin
 from bahrs_driver.convert import raw, ros
 from bahrs_driver.devices.registry import DEVICES, recognize
 from bahrs_driver.diagnostics.framing_task import FramingTask
-from bahrs_driver.diagnostics.guarded_task import GuardedTask
 from bahrs_driver.diagnostics.link_task import LinkTask
-from bahrs_driver.diagnostics.monitor import Monitor
 from bahrs_driver.diagnostics.names import node_label
 from bahrs_driver.diagnostics.problem_log import ProblemLog
 from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.self_test import answer
 from bahrs_driver.diagnostics.sharing_watch import count_trouble
-from bahrs_driver.diagnostics.task import Task
+from bahrs_driver.diagnostics.task import DiagnosticTask
 from bahrs_driver.diagnostics.time_task import TimeTask
+from bahrs_driver.diagnostics.updater import Updater
 from bahrs_driver.errors import ParameterError
 from bahrs_driver.node.latched_publisher import create_latched
 from bahrs_driver.node.nvm_services import NvmServices
@@ -75,7 +74,7 @@ class DriverNode(Node):
         self._link_task = LinkTask(self._link, self.receiver.counters, parts.silence_timeout,
                                    parts.silence_hint, lambda: count_trouble(
                                        parts.framer.counters, parts.health.lost))
-        self._monitor = self._make_monitor(settings)
+        self._updater = self._make_updater(settings)
         self._problems = self._make_problem_log()
         self._gate = SubscriberGate(settings['startup.wait_for_subscribers'])
         self._reporting = Lock()        # or an older report could overtake a newer one
@@ -129,7 +128,7 @@ class DriverNode(Node):
         self._byte_ns = self._link.byte_time_ns
         if self._live.requester:
             self._live.requester.opened()
-        self._parts.health.opened()
+        self._parts.health.restart()
         self._report_change()
 
     def link_usable(self) -> None:
@@ -185,7 +184,7 @@ class DriverNode(Node):
     def _report_change(self) -> None:
         """Publish the diagnostics if they changed; a change that comes too soon waits."""
         with self._reporting:
-            if self._monitor.change_due():
+            if self._updater.change_due():
                 self._publish_report()
 
     def _watch(self) -> None:
@@ -195,7 +194,7 @@ class DriverNode(Node):
         self._report_change()
         # Why the port is not open was logged when it closed.
         is_open = self.receiver.counters.open_since is not None
-        self._problems.check(self._monitor.verdicts() if is_open else {}, time.monotonic())
+        self._problems.check(self._updater.summaries() if is_open else {}, time.monotonic())
 
     def time_changed(self, sentence: str) -> None:
         """Log a change of a clock, and show it in the task Time."""
@@ -228,21 +227,21 @@ class DriverNode(Node):
     def _report(self) -> None:
         self._link_task.check_sharing(time.monotonic())
         with self._reporting:
-            if self._monitor.report_allowed():
+            if self._updater.report_allowed():
                 self._publish_report()
 
     def _publish_report(self) -> None:
-        array = DiagnosticArray(status=self._monitor.statuses())
+        array = DiagnosticArray(status=self._updater.statuses())
         array.header.stamp = Time(nanoseconds=time.time_ns()).to_msg()
         self._diagnostics.publish(array)
 
     def _self_test(self, _: SelfTest.Request, response: SelfTest.Response) -> SelfTest.Response:
-        return answer(self._monitor.verdicts(), self._monitor.hardware_id,
+        return answer(self._updater.summaries(), self._updater.hardware_id,
                       self._parts.health.device_id(), response)
 
-    def _make_monitor(self, settings: Mapping[str, Any]) -> Monitor:
+    def _make_updater(self, settings: Mapping[str, Any]) -> Updater:
         spec, parts, counters = self._spec, self._parts, self.receiver.counters
-        tasks: list[Task] = [
+        tasks: list[DiagnosticTask] = [
             self._link_task,
             FramingTask(parts.framer, counters, self._link.baud_rate, spec.name,
                         parts.protocol, recognize, settings['diagnostics.damaged_share']),
@@ -250,10 +249,9 @@ class DriverNode(Node):
             *parts.health.tasks,
             *self._live.tasks,
             PublishingTask(self._counts, parts.silence_timeout, spec.latched(), self.faults)]
-        return Monitor([GuardedTask(task, self.faults) for task in tasks],
-                       node_label(self.get_name(), self.get_namespace(),
-                                  settings['diagnostics.qualified_name']),
-                       self._link.name)
+        return Updater(tasks, node_label(self.get_name(), self.get_namespace(),
+                                         settings['diagnostics.qualified_name']),
+                       self._link.name, faults=self.faults)
 
     def _make_problem_log(self) -> ProblemLog:
         port, logger = self._link.name, self._log

@@ -16,9 +16,9 @@ from bahrs_driver.devices.parts import Parts
 from bahrs_driver.devices.registry import recognize
 from bahrs_driver.devices.spec import DeviceSpec
 from bahrs_driver.diagnostics.framing_task import FramingTask
-from bahrs_driver.diagnostics.monitor import Monitor
 from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.time_task import TimeTask
+from bahrs_driver.diagnostics.updater import Updater
 from bahrs_driver.transport.receiver import LinkCounters, SAMPLE_SIZE
 from bahrs_driver.units import NS_PER_S
 from diagnostic_msgs.msg import DiagnosticArray
@@ -41,7 +41,7 @@ class FlightHealth:
         self._opening: int | None = None
         self._publishing_task = PublishingTask(self.counts, parts.silence_timeout,
                                                spec.latched())
-        self._monitor = Monitor(
+        self._updater = Updater(
             [FramingTask(parts.framer, self._counters, settings['baud_rate'],
                          spec.name, parts.protocol, recognize,
                          settings['diagnostics.damaged_share']),
@@ -64,7 +64,7 @@ class FlightHealth:
         seconds = self._now / NS_PER_S
         if chunk.opening != self._opening:
             self._opening = chunk.opening
-            self._health.opened()
+            self._health.restart()
         self._counters.bytes_received += len(chunk.data)
         self._counters.last_bytes = (self._counters.last_bytes + chunk.data)[-SAMPLE_SIZE:]
         self._time_task.update(seconds)
@@ -73,12 +73,12 @@ class FlightHealth:
         for message, _, _ in batch:
             self._health.observe(message, seconds)
         self._publishing_task.update(seconds)
-        if self._now >= self._due or self._monitor.change_due():
+        if self._now >= self._due or self._updater.change_due():
             yield self._report(self._now)
 
     def _report(self, now: int) -> tuple[int, DiagnosticArray]:
         self._now, self._due = now, now + PERIOD
-        array = DiagnosticArray(status=self._monitor.statuses())
+        array = DiagnosticArray(status=self._updater.statuses())
         array.header.stamp.sec, array.header.stamp.nanosec = divmod(
             now + self._offset, NS_PER_S)
         return now, array

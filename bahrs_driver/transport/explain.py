@@ -31,6 +31,17 @@ UNREACHABLE = (errno.EHOSTUNREACH, errno.ENETUNREACH, errno.EHOSTDOWN, errno.ENE
 MOST_NAMED = 3          # programs in one message
 PSEUDO_TERMINALS = range(136, 144)      # major numbers
 
+MISSING = '{name} does not exist: plug the device in, or name another port'
+GONE = '{name} is gone: plug it in again, the driver will find it'
+NOT_IN_GROUP = ('{name} may not be opened by user {user}: join its group with "sudo usermod -aG '
+                '{group} {user}" and log in again')
+IN_USE_BY = '{name} is in use by another program{holders}: see {command}'
+CONNECTION_LOST = '{server} is gone: {why_lost}; the driver goes on trying'
+# What is wrong with a port, for the table in the README.
+CAUSES = {'a missing port': MISSING, 'a port that was pulled out': GONE,
+          'a port that the user may not open': NOT_IN_GROUP, 'a port in use': IN_USE_BY,
+          'a serial server that lost power': CONNECTION_LOST}
+
 
 class Target(NamedTuple):
     """The port that an error is about."""
@@ -51,7 +62,7 @@ def why_gone(target: Target, error: Exception) -> LinkError:
     """Return why a port that was open cannot be read any more."""
     if target.path:
         return _gone(target)
-    return LinkError(f'{target.name} is gone: {_why_lost(error)}; the driver goes on trying',
+    return LinkError(CONNECTION_LOST.format(server=target.name, why_lost=_why_lost(error)),
                      absent=True)
 
 
@@ -90,15 +101,14 @@ def _guarded(explain: Callable[[Target, Exception], LinkError], target: Target,
 
 
 def _gone(target: Target) -> LinkError:
-    return LinkError(f'{target.name} is gone: plug it in again, the driver will find it',
-                     absent=True)
+    return LinkError(GONE.format(name=target.name), absent=True)
 
 
 def _why_no_device(target: Target, error: Exception) -> LinkError:
     name, code = target.name, _code(error)
     if code in ABSENT:
         return _gone(target) if target.was_open else LinkError(
-            f'{name} does not exist: plug the device in, or name another port', absent=True)
+            MISSING.format(name=name), absent=True)
     if code in FORBIDDEN:
         return LinkError(_why_forbidden(target))
     if code in IN_USE:
@@ -127,8 +137,7 @@ def _why_forbidden(target: Target) -> str:
                 f'{stat.filemode(os.stat(folder).st_mode)}')
     info = os.stat(target.path)
     if info.st_gid and info.st_mode & stat.S_IRGRP and info.st_mode & stat.S_IWGRP:
-        return (f'{sentence}: join its group with "sudo usermod -aG {_group_name(info.st_gid)} '
-                f'{user}" and log in again')
+        return NOT_IN_GROUP.format(name=target.name, group=_group_name(info.st_gid), user=user)
     return (f'{sentence}: its mode is {stat.filemode(info.st_mode)}, a udev rule with '
             'MODE="0660", GROUP="dialout" would let the group dialout use it')
 
@@ -148,8 +157,8 @@ def _why_in_use(target: Target) -> str:
         return (f'{target.name} is in use by another program, or by one that was killed: restart '
                 'the program that made this pseudo-terminal')
     names = ', '.join(map(described, found[:MOST_NAMED]))
-    return (f'{target.name} is in use by another program'
-            f'{names and f" ({names})"}: see {list_command(target.path)}')
+    return IN_USE_BY.format(name=target.name, holders=names and f' ({names})',
+                            command=list_command(target.path))
 
 
 def _why_no_server(target: Target, error: Exception) -> LinkError:

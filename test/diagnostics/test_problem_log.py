@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of what the console says of a lasting error."""
 
-from bahrs_driver.diagnostics.problem_log import LASTING, ProblemLog
-from bahrs_driver.diagnostics.task import ERROR, OK, STALE, Verdict, WARN
+from bahrs_driver.diagnostics.problem_log import MIN_DURATION, ProblemLog
+from bahrs_driver.diagnostics.task import ERROR, OK, STALE, Summary, WARN
 from hypothesis import given, strategies as st
 
 LEVELS = {'e': ERROR, 'o': OK, 'w': WARN, 's': STALE, '-': None}
@@ -16,7 +16,7 @@ def logged(levels, step=0.5):
                      lambda text: lines.append(f'info {text}'))
     for index, letter in enumerate(levels):
         level = LEVELS[letter]
-        log.check({} if level is None else {'Framing': Verdict(level, 'no frames')},
+        log.check({} if level is None else {'Framing': Summary(level, 'no frames')},
                   100.0 + step * index)
     return lines
 
@@ -47,4 +47,4 @@ def test_lines_alternate_and_are_apart(levels, step):
     lines = logged(levels, step)
     assert lines[::2] == ['error no frames'] * len(lines[::2])
     assert lines[1::2] == ['info intact'] * len(lines[1::2])
-    assert len(lines) <= len(levels) * step / LASTING
+    assert len(lines) <= len(levels) * step / MIN_DURATION

@@ -8,6 +8,7 @@ from bahrs_driver.diagnostics.task import OK, STALE, WARN
 from bahrs_driver.protocol.bahrs.messages import Acknowledgement, Inertial
 from bahrs_driver.protocol.integrity import Integrity
 import pytest
+from support.tasks import summary_of, values_of
 
 
 def inertial(sequence):
@@ -46,15 +47,15 @@ class Stream:
             self.sequence += 1
             if index not in lose:
                 self.task.observe(inertial(self.sequence), self.now)
-                verdict = self.task.judge(self.now)
-        return verdict
+                summary = summary_of(self.task, self.now)
+        return summary
 
 
 def test_a_whole_stream_is_fine():
     """Through several turns of the counter."""
     stream = Stream()
     assert stream.run(6) == (OK, 'All messages at their rates')
-    values = stream.task.values(stream.now)
+    values = values_of(stream.task, stream.now)
     assert values == {'inertial [Hz]': '200.0 of 200', 'inertial received': '1200',
                       'inertial lost': '0'}
 
@@ -63,8 +64,8 @@ def test_losses_are_counted_and_told_for_a_moment():
     """Wraps included; later all is fine again, and the count stays."""
     stream = Stream()
     stream.run(1)
-    verdict = stream.run(0.5, lose={50, 51, 56, 70})
-    assert verdict == (WARN, 'Lost just now: 4 inertial')
+    summary = stream.run(0.5, lose={50, 51, 56, 70})
+    assert summary == (WARN, 'Lost just now: 4 inertial')
     assert stream.run(5).level == OK
     assert stream.task.lost == {'inertial': 4}
 
@@ -81,7 +82,7 @@ def test_what_a_host_held_back_is_no_wrong_rate():
     for _ in range(5):
         held = [inertial(stream.sequence + index) for index in range(1, 61)]
         stream.sequence, stream.now = stream.sequence + 60, stream.now + 0.3
-        assert stream.task.judge(stream.now).level == OK
+        assert summary_of(stream.task, stream.now).level == OK
         for message in held:
             stream.task.observe(message, stream.now)
         assert stream.run(4.1) == (OK, 'All messages at their rates')
@@ -100,7 +101,7 @@ def test_a_rate_is_not_wrong_because_the_stream_had_paused():
     """As at the start of the real device, 2.7 s after its first sample: that is told as stale."""
     stream = Stream()
     stream.run(0.005)
-    assert stream.task.judge(stream.now + 2.7).level == STALE
+    assert summary_of(stream.task, stream.now + 2.7).level == STALE
     stream.now += 2.7
     for _ in range(50):
         assert stream.run(0.1) == (OK, 'All messages at their rates')
@@ -109,10 +110,10 @@ def test_a_rate_is_not_wrong_because_the_stream_had_paused():
 def test_no_stream():
     """Neither at the start, nor after it has ended; then it is back."""
     stream = Stream()
-    assert stream.task.judge(0.0) == (STALE, 'No data from the device')
+    assert summary_of(stream.task, 0.0) == (STALE, 'No data from the device')
     stream.run(3)
-    assert stream.task.judge(stream.now + 0.9).level != STALE
-    assert stream.task.judge(stream.now + 1.1).level == STALE
+    assert summary_of(stream.task, stream.now + 0.9).level != STALE
+    assert summary_of(stream.task, stream.now + 1.1).level == STALE
 
 
 def test_diagnostics_mode_is_not_an_error():
@@ -120,9 +121,9 @@ def test_diagnostics_mode_is_not_an_error():
     stream = Stream()
     stream.run(1)
     stream.task.observe(Acknowledgement(0xF0, 0), stream.now + 0.5)
-    level, message = stream.task.judge(stream.now + 2)
+    level, message = summary_of(stream.task, stream.now + 2)
     assert level == STALE and 'diagnostics mode' in message
-    assert 'diagnostics mode' not in stream.task.judge(stream.now + 30).message
+    assert 'diagnostics mode' not in summary_of(stream.task, stream.now + 30).message
 
 
 def test_a_restart_is_no_loss():
@@ -159,7 +160,7 @@ def test_diagnostics_mode_is_no_loss():
 def test_rates_begin_with_the_first_message():
     """A device that starts late is not slow."""
     task = RatesTask({'inertial': 200.0}, 0.05, 1.0)
-    task.judge(0.0)
+    summary_of(task, 0.0)
     stream = Stream()
     stream.task, stream.now = task, 1.5
     assert stream.run(1).level == OK

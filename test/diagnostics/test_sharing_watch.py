@@ -34,7 +34,7 @@ def test_nothing_is_looked_for_while_all_is_well():
     port = Port([CAT])
     for second in range(100):
         port.watch.check(float(second), silent=False)
-    assert not port.looks and not port.watch.sentence(99.0)
+    assert not port.looks and not port.watch.programs(99.0)
 
 
 def test_damage_or_loss_is_a_reason_to_look():
@@ -42,10 +42,9 @@ def test_damage_or_loss_is_a_reason_to_look():
     port = Port([CAT])
     port.trouble = MANY
     port.watch.check(100.0, silent=False)
-    assert port.watch.sentence(100.0) == (
-        'another program is reading /dev/ttyX and takes bytes from the driver (cat, process '
-        '4711): end it, "fuser -v /dev/ttyX" lists all')
-    assert not port.watch.sentence(100.1 + LIFETIME)
+    assert port.watch.programs(100.0) == 'cat, process 4711'
+    assert port.watch.command == '"fuser -v /dev/ttyX"'
+    assert not port.watch.programs(100.1 + LIFETIME)
 
 
 def test_a_program_of_another_user_is_known_by_what_it_takes():
@@ -54,7 +53,7 @@ def test_a_program_of_another_user_is_known_by_what_it_takes():
     for second in range(100, 110):
         port.link.stolen += 1
         port.watch.check(float(second), silent=False)
-    assert '(one of another user)' in port.watch.sentence(110.0)
+    assert port.watch.programs(110.0) == 'one of another user'
 
 
 def test_damage_alone_is_no_other_program():
@@ -63,14 +62,14 @@ def test_damage_alone_is_no_other_program():
     for second in range(100, 200):
         port.trouble += 100
         port.watch.check(float(second), silent=second % 2 == 0)
-    assert 1 < port.looks < 8 and not port.watch.sentence(200.0)
+    assert 1 < port.looks < 8 and not port.watch.programs(200.0)
 
 
 def test_a_name_is_made_printable():
     """A program may have any."""
     port = Port([Process(1, '\x1b[2J\n')])
     port.watch.check(100.0, silent=True)
-    assert r'(\x1b[2J\x0a, process 1)' in port.watch.sentence(100.0)
+    assert port.watch.programs(100.0) == r'\x1b[2J\x0a, process 1'
 
 
 @given(st.lists(st.tuples(st.integers(-50, 50), st.integers(-50, 50), st.booleans()),

@@ -7,9 +7,10 @@ from types import SimpleNamespace
 
 from bahrs_driver.devices.registry import recognize
 from bahrs_driver.diagnostics.framing_task import FramingTask
+from bahrs_driver.diagnostics.integrity_task import IntegrityTask
 from bahrs_driver.diagnostics.link_task import LinkTask
 from bahrs_driver.diagnostics.publishing_task import PublishingTask
-from bahrs_driver.diagnostics.signals_task import SignalsTask
+from bahrs_driver.diagnostics.sharing_watch import ENOUGH_STOLEN
 from bahrs_driver.diagnostics.task import ERROR, OK, STALE, WARN
 from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.process.fault_log import FaultLog
@@ -19,6 +20,7 @@ from bahrs_driver.protocol.framing import FramingCounters
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.transport.receiver import LinkCounters, SAMPLE_SIZE
 import pytest
+from support.tasks import summary_of, values_of
 
 SAFE, RISK = Integrity.SAFE, Integrity.INTEGRITY_RISK
 GONE, RESERVED = Integrity.UNAVAILABLE, Integrity.RESERVED
@@ -28,25 +30,25 @@ HINT = 'is the device powered?'
 NAVIGATION = Navigation(0, 500.0, 0.0, 0.0, 0.0, 0.0, (SAFE,) * 5)
 
 
-def link_verdict(**counters):
-    """Return the verdict on a link at the time 100 s."""
-    return LinkTask(LINK, LinkCounters(**counters), 1.0, HINT, int).judge(100.0)
+def link_summary(**counters):
+    """Return the summary on a link at the time 100 s."""
+    return summary_of(LinkTask(LINK, LinkCounters(**counters), 1.0, HINT, int), 100.0)
 
 
 def test_a_port_that_is_not_open_says_why():
     """In the words of the link."""
-    assert link_verdict(error='/dev/ttyUSB0 is gone') == (ERROR, '/dev/ttyUSB0 is gone')
+    assert link_summary(error='/dev/ttyUSB0 is gone') == (ERROR, '/dev/ttyUSB0 is gone')
 
 
 def test_an_open_port_with_data_is_fine():
     """The last byte came half a second ago."""
-    assert link_verdict(open_since=1.0, last_data=99.5) == (OK, '/dev/ttyUSB0 is open')
+    assert link_summary(open_since=1.0, last_data=99.5) == (OK, '/dev/ttyUSB0 is open')
 
 
 @pytest.mark.parametrize('last_data', [None, 50.0, 95.0])
 def test_a_silent_port_is_an_error_that_says_what_to_look_at(last_data):
     """Counted from its opening if nothing ever came, or came before it."""
-    level, message = link_verdict(open_since=95.0, last_data=last_data)
+    level, message = link_summary(open_since=95.0, last_data=last_data)
     assert level == ERROR
     assert message == '/dev/ttyUSB0 is open but silent: is the device powered?'
 
@@ -56,39 +58,50 @@ def test_a_silent_server_is_not_the_connection(hint, end):
     """Keep-alive would have noticed; the hint of the sensor ends before this is said."""
     link = SimpleNamespace(name='socket://h:1', path='', is_network=True, stolen=0)
     task = LinkTask(link, LinkCounters(open_since=1.0), 1.0, hint, int)
-    assert task.judge(100.0).message.endswith(
+    assert summary_of(task, 100.0).message.endswith(
         f"{hint.rstrip('?')}{end} The connection to the serial server is up.")
+
+
+def test_another_program_on_the_port_is_named_with_the_remedy():
+    """It cannot be seen, but reads find nothing again and again."""
+    link = SimpleNamespace(**vars(LINK))
+    task = LinkTask(link, LinkCounters(open_since=1.0, last_data=100.0), 1.0, HINT, int)
+    link.stolen = ENOUGH_STOLEN
+    task.check_sharing(100.0)
+    assert summary_of(task, 100.0) == (
+        ERROR, 'another program is reading /dev/ttyUSB0 and takes bytes from the driver (one of '
+               'another user): end it, "fuser -v /dev/ttyUSB0" lists all')
 
 
 def test_a_port_just_opened_is_not_yet_silent():
     """It has a second."""
-    assert link_verdict(open_since=99.5).level == OK
+    assert link_summary(open_since=99.5).level == OK
 
 
 def test_traffic_is_told_against_the_baud_rate():
     """Ten bits a byte: 5,760 of 11,520 bytes a second are half of the line."""
     counters = LinkCounters(open_since=0.0)
     task = LinkTask(LINK, counters, 1.0, HINT, int)
-    task.values(0.0)
+    values_of(task, 0.0)
     counters.bytes_received = 5760
-    values = task.values(1.0)
+    values = values_of(task, 1.0)
     assert values['Bytes per second'] == '5760' and values['Use of the line'] == '50%'
     assert values['Open for [s]'] == '1.0'
     counters.open_since = None
-    assert task.values(2.0)['Open for [s]'] == 'not open'
+    assert values_of(task, 2.0)['Open for [s]'] == 'not open'
 
 
-def framing_verdict(received, frames, failures, skipped, last_bytes=b'\xff' * 99):
-    """Return the verdict after a second that brought so much."""
+def framing_summary(received, frames, failures, skipped, last_bytes=b'\xff' * 99):
+    """Return the summary after a second that brought so much."""
     framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters()
     task = FramingTask(framer, counters, 115200, 'bahrs', lambda: {'CRC order': 'word'},
                        recognize, 0.1)
-    task.judge(0.0)
+    summary_of(task, 0.0)
     counters.bytes_received, counters.last_bytes = received, last_bytes
     framer.counters.frames, framer.counters.crc_failures = frames, failures
     framer.counters.skipped_bytes = skipped
-    assert task.values(1.0)['CRC failures'] == str(failures)
-    return task.judge(1.0)
+    assert values_of(task, 1.0)['CRC failures'] == str(failures)
+    return summary_of(task, 1.0)
 
 
 @pytest.mark.parametrize('received, frames, failures, skipped, level, words', [
@@ -102,21 +115,21 @@ def framing_verdict(received, frames, failures, skipped, last_bytes=b'\xff' * 99
 ])
 def test_framing(received, frames, failures, skipped, level, words):
     """Each state has a message of its own."""
-    verdict = framing_verdict(received, frames, failures, skipped)
-    assert verdict.level == level and words in verdict.message
+    summary = framing_summary(received, frames, failures, skipped)
+    assert summary.level == level and words in summary.message
 
 
 def test_text_is_another_device():
     """Such as a GNSS receiver."""
-    verdict = framing_verdict(8000, 0, 0, 8000, b'$GPGGA,123519,4807.038,N*47\r\n' * 4)
-    assert verdict.level == ERROR and 'another device is on this port' in verdict.message
+    summary = framing_summary(8000, 0, 0, 8000, b'$GPGGA,123519,4807.038,N*47\r\n' * 4)
+    assert summary.level == ERROR and 'another device is on this port' in summary.message
 
 
 def test_integrity_of_a_stream_that_ended_is_not_known():
     """However safe it was."""
-    task = SignalsTask({'roll': SAFE}, lambda now: now > 5.0)
-    assert task.judge(4.0) == (OK, 'All signals safe')
-    assert task.judge(6.0) == (STALE, 'Nothing heard from the device')
+    task = IntegrityTask({'roll': SAFE}, lambda now: now > 5.0)
+    assert summary_of(task, 4.0) == (OK, 'All signals safe')
+    assert summary_of(task, 6.0) == (STALE, 'No data from the device')
 
 
 def test_the_other_sensor_is_named():
@@ -124,9 +137,9 @@ def test_the_other_sensor_is_named():
     bahrs = BahrsCodec().encode(NAVIGATION, 3)
     framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters()
     task = FramingTask(framer, counters, 115200, 'titan_m', dict, recognize, 0.1)
-    task.judge(0.0)
+    summary_of(task, 0.0)
     counters.bytes_received, counters.last_bytes = 8000, (bahrs * 12)[-SAMPLE_SIZE:]
-    assert task.judge(1.0) == (
+    assert summary_of(task, 1.0) == (
         ERROR, 'A bahrs is on this port, not a titan_m: set parameter sensor to it')
 
 
@@ -137,10 +150,10 @@ def test_a_wrong_device_that_says_little_is_told_as_well():
     for second in range(6):
         counters.bytes_received += 70
         counters.last_bytes = b'$GPGGA,123519,4807.038,N*47\r\n'
-        verdict = task.judge(float(second))
-    assert verdict.level == ERROR and 'another device' in verdict.message
+        summary = summary_of(task, float(second))
+    assert summary.level == ERROR and 'another device' in summary.message
     counters.times_opened, counters.bytes_received = 2, counters.bytes_received + 20
-    assert task.judge(6.0) == (STALE, 'Waiting for a whole frame')
+    assert summary_of(task, 6.0) == (STALE, 'Waiting for a whole frame')
 
 
 def test_a_share_of_damage_at_the_limit_is_not_another_level_at_every_frame():
@@ -154,7 +167,7 @@ def test_a_share_of_damage_at_the_limit_is_not_another_level_at_every_frame():
             framer.counters.crc_failures += 1
         else:
             framer.counters.frames += 1
-        levels.append(task.judge(index / 450).level)
+        levels.append(summary_of(task, index / 450).level)
     assert sum(before != after for before, after in zip(levels, levels[1:])) < 10
 
 
@@ -162,15 +175,15 @@ def test_a_device_of_an_unknown_version_is_told():
     """Its frames are intact, and not one of them is understood."""
     framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters()
     task = FramingTask(framer, counters, 115200, 'bahrs', dict, recognize, 0.1)
-    task.judge(0.0)
+    summary_of(task, 0.0)
     counters.bytes_received = 8000
     framer.counters.unknown_types.add('0x01 of version 4', 300)
-    level, message = task.judge(1.0)
+    level, message = summary_of(task, 1.0)
     assert level == ERROR and 'is the bahrs newer than this driver?' in message
 
 
 @pytest.mark.parametrize('signals, level, message', [
-    ({'roll': None, 'pitch': None}, STALE, 'Nothing heard from the device'),
+    ({'roll': None, 'pitch': None}, STALE, 'No data from the device'),
     ({'roll': SAFE, 'pitch': SAFE}, OK, 'All signals safe'),
     ({'roll': SAFE, 'pitch': RISK}, WARN, 'pitch integrity risk'),
     ({'roll': GONE, 'pitch': RISK}, ERROR, 'roll unavailable, pitch integrity risk'),
@@ -179,7 +192,7 @@ def test_a_device_of_an_unknown_version_is_told():
 ])
 def test_integrity(signals, level, message):
     """The worst signal gives the level."""
-    assert SignalsTask(signals).judge(0.0) == (level, message)
+    assert summary_of(IntegrityTask(signals), 0.0) == (level, message)
 
 
 def test_publishing_is_of_the_present():
@@ -187,24 +200,24 @@ def test_publishing_is_of_the_present():
     counts = {'imu/data': 0, 'integrity': 0}
     task = PublishingTask(counts, 1.0, ('integrity',))
     counts['integrity'] = 1             # that there is no data
-    assert task.judge(0.0) == (STALE, 'Nothing published yet')
+    assert summary_of(task, 0.0) == (STALE, 'Nothing published yet')
     counts['imu/data'] = 40
-    assert task.judge(0.5) == (OK, 'Publishing')
-    assert task.judge(1.0).message == 'Publishing'
-    assert task.judge(3.0) == (STALE, 'Nothing published just now')
-    assert task.values(3.0)['imu/data'] == '40'
+    assert summary_of(task, 0.5) == (OK, 'Publishing')
+    assert summary_of(task, 1.0).message == 'Publishing'
+    assert summary_of(task, 3.0) == (STALE, 'Nothing published just now')
+    assert values_of(task, 3.0)['imu/data'] == '40'
 
 
 def test_a_fault_of_the_driver_is_shown_for_a_while():
     """And counted for ever."""
     faults = FaultLog(str, str)
     task = PublishingTask({'imu/data': 1}, 1.0, (), faults)
-    assert task.judge(0.0) == (OK, 'Publishing')
+    assert summary_of(task, 0.0) == (OK, 'Publishing')
     faults.report('publishing imu/data', ValueError('no'))
-    assert task.judge(0.5) == (
+    assert summary_of(task, 0.5) == (
         WARN, 'Fault of the driver: publishing imu/data failed: ValueError: no')
-    assert task.judge(12.0).level == STALE
-    assert task.values(12.0)['Faults of the driver'] == '1'
+    assert summary_of(task, 12.0).level == STALE
+    assert values_of(task, 12.0)['Faults of the driver'] == '1'
 
 
 def test_a_window_covers_one_span_to_two():

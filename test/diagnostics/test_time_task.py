@@ -8,6 +8,7 @@ from bahrs_driver.clock import ArrivalStamps, SampleClock, TimeState
 from bahrs_driver.diagnostics.task import OK, WARN
 from bahrs_driver.diagnostics.time_task import TimeTask
 import pytest
+from support.tasks import summary_of, values_of
 
 SETTLED = TimeState('device', 'device', 'next', settled=True, offset_ns=10 ** 18)
 
@@ -39,30 +40,30 @@ def made(clock):
 ])
 def test_levels(changes, level, words):
     """What is in use, and whether that is what was asked for."""
-    verdict = made(Fixed(**changes)).judge(100.0)
-    assert verdict.level == level and words in verdict.message
+    summary = summary_of(made(Fixed(**changes)), 100.0)
+    assert summary.level == level and words in summary.message
 
 
 def test_a_notice_is_shown_for_five_seconds():
     """So that it is seen by who looks once a second."""
     task = made(Fixed())
     task.notice("the host's clock was set by +0.500000 s", 100.0)
-    assert task.judge(104.0) == (WARN, "the host's clock was set by +0.500000 s")
-    assert task.judge(106.0).level == OK
+    assert summary_of(task, 104.0) == (WARN, "the host's clock was set by +0.500000 s")
+    assert summary_of(task, 106.0).level == OK
 
 
 def test_values():
     """With units; and what to do about an adapter that holds back."""
-    values = made(Fixed(median_chunk=496, pulse_delay_us=50.37)).values(0.0)
+    values = values_of(made(Fixed(median_chunk=496, pulse_delay_us=50.37)), 0.0)
     assert values['Time messages name'] == 'the next sample'
     assert values['Least delay by pulses [us]'] == '50.4'
     assert 'set its timer to 1 ms' in values['Advice']
-    assert made(Fixed(median_chunk=24)).values(0.0)['Advice'] == 'none'
+    assert values_of(made(Fixed(median_chunk=24)), 0.0)['Advice'] == 'none'
 
 
 def test_values_of_a_device_that_is_asked():
     """Nothing about a time that it does not tell."""
-    values = made(Fixed(source='exchange', in_use='exchange', spread_us=431.25)).values(0.0)
+    values = values_of(made(Fixed(source='exchange', in_use='exchange', spread_us=431.25)), 0.0)
     assert values['Half a request and its answer, median [us]'] == '431.2'
     assert not {'Skew [ppm]', 'Epochs', 'Sync pulses'} & set(values)
 
@@ -70,4 +71,4 @@ def test_values_of_a_device_that_is_asked():
 @pytest.mark.parametrize('clock', [ArrivalStamps(), SampleClock()])
 def test_real_clocks_before_the_first_byte(clock):
     """Nothing is known yet, and can be shown."""
-    assert made(clock).values(0.0)['ROS time less device time [s]'] == 'unknown'
+    assert values_of(made(clock), 0.0)['ROS time less device time [s]'] == 'unknown'

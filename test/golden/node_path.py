@@ -92,7 +92,7 @@ class _Node:
 
     def link_opened(self) -> None:
         """Begin a stream."""
-        self._sensor.health.opened()
+        self._sensor.health.restart()
 
     def link_usable(self) -> None:
         """Note it."""

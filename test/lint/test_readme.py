@@ -11,11 +11,11 @@ sys.path.insert(0, str(ROOT / 'tools'))
 from readme_tables import missing_topics, README, with_tables  # noqa: E402, I100
 
 
-def test_parameter_table_is_that_of_the_code():
-    """`make docs` writes it."""
+def test_tables_are_those_of_the_code():
+    """`make docs` writes them."""
     text = README.read_text()
     assert with_tables(text) == text
-    assert '| `port` |' in text
+    assert '| `port` |' in text and '| a silent device | Link | ERROR |' in text
 
 
 def test_every_topic_is_named_with_its_type():

@@ -283,5 +283,5 @@ def test_a_lost_cable_leaves_no_signal_safe(tmp_path):
             assert says(ear, 'Integrity', DiagnosticStatus.OK, 'All signals safe')
         assert wait_for(lambda: ear.heard['integrity'] and {
             item.message for item in ear.heard['integrity'][-1].status} == {'not_heard'})
-        assert says(ear, 'Integrity', DiagnosticStatus.STALE, 'Nothing heard')
+        assert says(ear, 'Integrity', DiagnosticStatus.STALE, 'No data')
         assert says(ear, 'Link', DiagnosticStatus.ERROR, '')

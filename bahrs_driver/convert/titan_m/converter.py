@@ -22,6 +22,7 @@ from bahrs_driver.convert.axes import (
 )
 from bahrs_driver.convert.completeness import without_incomplete
 from bahrs_driver.convert.covariance import Matrix
+from bahrs_driver.convert.titan_m.gps_status import GpsStatus
 from bahrs_driver.convert.titan_m.gps_time import GpsTime
 from bahrs_driver.convert.utm import to_wgs84
 from bahrs_driver.protocol.layout import Vector
@@ -145,9 +146,9 @@ class TitanConverter:
                 yield from self._handlers[type(known)](known, stamp)
 
     @property
-    def gps_text(self) -> str:
-        """Return what the GPS says at present, in words."""
-        return self._gps_text
+    def gps_status(self) -> GpsStatus:
+        """Whether the GPS has a fix at present."""
+        return self._gps_status
 
     @property
     def week_problem(self) -> str:
@@ -163,7 +164,7 @@ class TitanConverter:
         self._orientation = NO_ROTATION
         self._sample: _Sample | None = None
         self._had_fix = False
-        self._gps_text = 'not heard'
+        self._gps_status = GpsStatus()
         self._heard: dict[type, int] = {}       # stamp of the first answer of each kind
 
     def _comes(self, kind: type[TitanAnswer], stamp_ns: int) -> bool:
@@ -226,8 +227,7 @@ class TitanConverter:
             self._had_fix = True
             if not self._comes(State, stamp_ns):
                 yield 'velocity', self._twist(message.velocity_ned, stamp_ns)
-        self._gps_text = f"fix in zone {message.zone} {'north' if message.northern else 'south'}" \
-            if place else 'no fix'
+        self._gps_status = GpsStatus(True, message.zone if place else 0, message.northern)
         # A time of 0 is one that is not known, and says nothing about the week.
         time = self._gps_time.utc_us(message.gps_time_s, stamp_ns) if message.gps_time_s else None
         if time is not None:

@@ -2,31 +2,29 @@
 # SPDX-License-Identifier: Apache-2.0
 """Diagnostics of a BAHRS and its stream."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from bahrs_driver.devices.bahrs.device_task import DeviceTask
+from bahrs_driver.diagnostics.integrity_task import IntegrityTask
 from bahrs_driver.diagnostics.rates_task import RatesTask
-from bahrs_driver.diagnostics.signals_task import SignalsTask
-from bahrs_driver.diagnostics.task import Task
+from bahrs_driver.diagnostics.stream_health import StreamHealth
 from bahrs_driver.protocol.bahrs.messages import SoftwareVersion
 from bahrs_driver.protocol.integrity import Integrity
 
-# Hz, of a device of any version.
+# Messages a second of a device of any version.
 EXPECTED_RATES = {'inertial': 200.0, 'navigation': 100.0, 'accuracy': 10.0,
                   'navigation_time': 10.0, 'inertial_time': 10.0}
 
 
-class BahrsHealth:
-    """Monitors the messages of a BAHRS."""
+class BahrsHealth(StreamHealth):
+    """Monitors the messages of a BAHRS; the converter keeps the integrity in signals current."""
 
     def __init__(self, signals: Mapping[str, Integrity | None], rate_tolerance: float,
                  stale_timeout: float) -> None:
-        """Monitor the integrity of each signal in a mapping that the converter updates."""
-        self._rates = RatesTask(EXPECTED_RATES, rate_tolerance, stale_timeout)
-        self._device = DeviceTask(self._rates.stale)
-        self.tasks: Sequence[Task] = (
-            self._rates, SignalsTask(signals, self._rates.stale), self._device)
+        rates = RatesTask(EXPECTED_RATES, rate_tolerance, stale_timeout)
+        self._device = DeviceTask(rates.stale)
+        super().__init__(rates, IntegrityTask(signals, rates.stale), self._device)
 
     def watch_nvm(self, status: Callable[[], str]) -> None:
         """Show the status of the NVM session."""
@@ -35,22 +33,9 @@ class BahrsHealth:
     def observe(self, message: Any, now: float) -> None:
         """Update the tasks with a message, received at a monotonic time in seconds."""
         if isinstance(message, SoftwareVersion):        # sent at power-on only
-            self._rates.restart()
-        self._rates.observe(message, now)
+            self.restart()
+        super().observe(message, now)
         self._device.observe(message)
-
-    def opened(self) -> None:
-        """Start a new stream."""
-        self._rates.restart()
-
-    def stale(self, now: float) -> bool:
-        """Return whether data has stopped, at a monotonic time in seconds."""
-        return self._rates.stale(now)
-
-    @property
-    def lost(self) -> int:
-        """Messages lost since the start."""
-        return sum(self._rates.lost.values())
 
     def device_id(self) -> str:
         """Return the identifier that the device reports; empty if it has not."""

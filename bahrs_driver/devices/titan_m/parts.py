@@ -50,7 +50,7 @@ def make_parts(settings: Mapping[str, Any]) -> Parts:
                           PAUSES / max(rates.values()) if polls else 0.0)
     health = TitanHealth(
         expected, settings['diagnostics.rate_tolerance'], silence_timeout,
-        poller if polls else None, reader, lambda: converter.gps_text,
+        poller if polls else None, reader, lambda: converter.gps_status,
         lambda: converter.week_problem)
 
     def protocol() -> Mapping[str, str]:

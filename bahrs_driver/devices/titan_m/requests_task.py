@@ -1,31 +1,44 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Task *Requests*: whether a device that is asked answers."""
+"""Task *Requests*: whether the device answers requests."""
 
 from collections.abc import Callable, Mapping
 
 from bahrs_driver.diagnostics.task import (
-    ERROR, NO_DATA, OK, STALE, Staleness, Verdict, WARN,
+    ERROR, Message, NO_DATA, OK, Staleness, Status, WARN,
 )
 from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.protocol.titan_m.messages import REQUESTS
 from bahrs_driver.protocol.titan_m.poller import Poller, UNANSWERED
 from bahrs_driver.units import NS_PER_MS
 
-SLOW_NS = 10_000_000        # from a request to its answer, beyond their time on the line
+SLOW_NS = 10_000_000        # from a request to its answer, without their time on the line
+
+NOT_WRITTEN = Message(ERROR, '{write_error}', 'requests that cannot be written')
+NO_ANSWER = Message(ERROR, 'No request is answered: is the device a titan_m, powered, and is its '
+                           'receiving line connected?', 'a Titan-M that does not answer')
+TOO_SLOW = Message(WARN, 'The line, device or host is too slow for the requested rates: {remedy}',
+                   'rates that line, device or host cannot keep')
+ANSWERS_MISSING = Message(WARN, '{count} requests without an answer just now',
+                          'answers lost now and then')
+UNEXPECTED = Message(WARN, '{count} answers that came too late or twice just now',
+                     'answers that come too late')
+ANSWERED = Message(OK, 'All requests answered')
+LATENCY_REMEDY = 'set the latency timer of the adapter to 1 ms, or request.pipelined'
+RATE_REMEDY = 'lower state.rate, gps.rate or sensors.rate'
 
 
 class RequestsTask:
-    """Shows the counters of a poller."""
+    """
+    Shows the counters of a poller; stale returns whether its answers have ceased.
+
+    write_error returns why the latest request could not be written; '' if it was.
+    """
 
     name = 'Requests'
+    messages = (NOT_WRITTEN, NO_ANSWER, TOO_SLOW, ANSWERS_MISSING, UNEXPECTED, NO_DATA, ANSWERED)
 
     def __init__(self, poller: Poller, stale: Staleness, write_error: Callable[[], str]) -> None:
-        """
-        Watch a poller, and whether its answers have ceased.
-
-        write_error returns why the latest request could not be written; '' if it was.
-        """
         self._poller = poller
         self._write_error = write_error
         self._stale = stale
@@ -33,42 +46,37 @@ class RequestsTask:
             poller.answered.total(), poller.unanswered.total(), poller.unexpected.total(),
             poller.skipped))
 
-    def judge(self, now: float) -> Verdict:
-        """Return how the last second went."""
-        _, (answered, unanswered, unexpected, skipped) = self._window.growth(now)
+    def run(self, status: Status) -> Status:
+        """Report how many requests of the last second were answered."""
+        status.values_from(self._values)
+        _, (answered, unanswered, unexpected, skipped) = self._window.growth(status.now)
         write_error = self._write_error()
         if write_error:
-            return Verdict(ERROR, write_error)
+            return status.summary(NOT_WRITTEN, write_error=write_error)
         if unanswered >= UNANSWERED and not answered:
-            return Verdict(ERROR, 'No request is answered: is the device a titan_m, powered, and '
-                                  'is its receiving line connected?')
+            return status.summary(NO_ANSWER)
         if skipped:
-            return Verdict(WARN, 'Line, device or host is too slow for the rates asked for: '
-                           + ('set the latency timer of the adapter to 1 ms, or '
-                              'request.pipelined' if self._slow else
-                              'lower state.rate, gps.rate or sensors.rate'))
+            return status.summary(TOO_SLOW,
+                                  remedy=LATENCY_REMEDY if self._slow else RATE_REMEDY)
         if unanswered:
-            return Verdict(WARN, f'{unanswered} requests without an answer just now')
+            return status.summary(ANSWERS_MISSING, count=unanswered)
         if unexpected:
-            return Verdict(WARN, f'{unexpected} answers that came too late or twice just now')
-        if self._stale(now):
-            return Verdict(STALE, NO_DATA)
-        return Verdict(OK, 'All requests answered')
+            return status.summary(UNEXPECTED, count=unexpected)
+        return status.summary(NO_DATA if self._stale(status.now) else ANSWERED)
 
-    def values(self, now: float) -> Mapping[str, str]:
-        """Return what was counted since the start, and what was learnt."""
+    def _values(self, _now: float) -> Mapping[str, str]:
         poller = self._poller
         slowest = poller.slowest
-        found = {}
+        values = {}
         for kind in REQUESTS:
             name = kind.ANSWER.NAME
-            found[f'{name} requests'] = str(poller.requests[kind])
-            found[f'{name} answered'] = str(poller.answered[kind])
-            found[f'{name} unanswered'] = str(poller.unanswered[kind])
-            found[f'{name} given up'] = str(poller.lost[kind])
-            found[f'{name} too late or twice'] = str(poller.unexpected[kind])
+            values[f'{name} requests'] = str(poller.requests[kind])
+            values[f'{name} answered'] = str(poller.answered[kind])
+            values[f'{name} unanswered'] = str(poller.unanswered[kind])
+            values[f'{name} given up'] = str(poller.lost[kind])
+            values[f'{name} too late or twice'] = str(poller.unexpected[kind])
         return {
-            **found,
+            **values,
             'Turns left out': str(poller.skipped),
             'Slowest answer [ms]': 'unknown' if slowest is None else f'{slowest / NS_PER_MS:.1f}',
             'Checksum byte order of requests': poller.checksum_order,

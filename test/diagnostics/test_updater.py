@@ -2,35 +2,36 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the tasks together, and of the self-test."""
 
-from bahrs_driver.diagnostics.monitor import LEAST_INTERVAL, Monitor
 from bahrs_driver.diagnostics.self_test import answer
-from bahrs_driver.diagnostics.task import ERROR, OK, Verdict, WARN
+from bahrs_driver.diagnostics.task import ERROR, Message, OK, Summary, WARN
+from bahrs_driver.diagnostics.updater import MIN_INTERVAL, Updater
 from diagnostic_msgs.srv import SelfTest
 from hypothesis import given, strategies as st
 import pytest
 
 
-class Told:
-    """A task that says what the test wants."""
+class StubTask:
+    """A task that reports what the test sets, or the time."""
 
-    def __init__(self, name, level=OK, message=None):
-        """Begin with a level, and a message if it is not the time."""
+    def __init__(self, name, level=OK, message='at {now}'):
         self.name, self.level, self.message = name, level, message
+        self.collected = 0
 
-    def judge(self, now):
-        """Say it."""
-        return Verdict(self.level, f'at {now}' if self.message is None else self.message)
+    def run(self, status):
+        """Report level, message and the time."""
+        status.values_from(self._values)
+        return status.summary(Message(self.level, self.message), now=status.now)
 
-    def values(self, now):
-        """Show the time."""
+    def _values(self, now):
+        self.collected += 1
         return {'now': str(now)}
 
 
 def test_statuses():
     """Names, levels, values, and whose they are."""
-    monitor = Monitor([Told('Link'), Told('Rates', WARN)], 'bahrs_driver', '/dev/ttyUSB0',
+    updater = Updater([StubTask('Link'), StubTask('Rates', WARN)], 'bahrs_driver', '/dev/ttyUSB0',
                       lambda: 7.0)
-    first, second = monitor.statuses()
+    first, second = updater.statuses()
     assert (first.name, first.level, first.message) == ('bahrs_driver: Link', OK, 'at 7.0')
     assert (second.name, second.level) == ('bahrs_driver: Rates', WARN)
     assert [(pair.key, pair.value) for pair in second.values] == [('now', '7.0')]
@@ -59,30 +60,31 @@ def clock():
     (ERROR, 'roll unavailable'), (WARN, 'roll, pitch integrity risk'), (WARN, '')])
 def test_a_change_is_due_until_it_was_reported(clock, level, message):
     """Of the level, or of the message alone."""
-    task = Told('Integrity', WARN, 'roll integrity risk')
-    monitor = Monitor([Told('Link', OK, 'open'), task], 'bahrs_driver', '', clock)
-    assert monitor.change_due()
-    monitor.statuses()
+    task = StubTask('Integrity', WARN, 'roll integrity risk')
+    updater = Updater([StubTask('Link', OK, 'open'), task], 'bahrs_driver', '', clock)
+    assert updater.change_due()
+    updater.statuses()
     clock.now += 1.0
-    assert not monitor.change_due()
+    assert not updater.change_due()
+    assert task.collected == 1, 'values are formatted for a report only'
     task.level, task.message = level, message
-    assert monitor.change_due()
-    monitor.statuses()
+    assert updater.change_due()
+    updater.statuses()
     clock.now += 1.0
-    assert not monitor.change_due()
+    assert not updater.change_due()
 
 
 def test_numbers_alone_are_no_change(clock):
     """Or a counter in a message would have every sample reported."""
-    task = Told('Rates', WARN, 'Lost just now: 3 inertial')
-    monitor = Monitor([task], 'bahrs_driver', '', clock)
-    monitor.statuses()
+    task = StubTask('Rates', WARN, 'Lost just now: 3 inertial')
+    updater = Updater([task], 'bahrs_driver', '', clock)
+    updater.statuses()
     clock.now += 0.1
     for message in ('Lost just now: 4 inertial', 'Lost just now: 1,024 inertial'):
         task.message = message
-        assert not monitor.change_due()
+        assert not updater.change_due()
     task.message = 'Lost just now: 4 inertial, 1 navigation'
-    assert monitor.change_due()
+    assert updater.change_due()
 
 
 @given(st.lists(st.tuples(
@@ -90,35 +92,35 @@ def test_numbers_alone_are_no_change(clock):
     min_size=1))
 def test_reports_are_apart_and_the_final_state_is_among_them(steps):
     """Whatever changes how often, if somebody asks once more after the interval."""
-    clock, task = Clock(), Told('Integrity', OK, 'a')
-    monitor, reports = Monitor([task], 'bahrs_driver', '', clock), []
+    clock, task = Clock(), StubTask('Integrity', OK, 'a')
+    updater, reports = Updater([task], 'bahrs_driver', '', clock), []
 
     def look():
-        if monitor.change_due():
-            (status,) = monitor.statuses()
+        if updater.change_due():
+            (status,) = updater.statuses()
             reports.append((clock.now, status.level, status.message))
 
     for pause, task.level, task.message in steps:
         clock.now += pause
         look()
-    clock.now += 1.01 * LEAST_INTERVAL
+    clock.now += 1.01 * MIN_INTERVAL
     look()
     assert reports[-1][1:] == (task.level, task.message)
-    assert all(after - before >= LEAST_INTERVAL - 1e-9
+    assert all(after - before >= MIN_INTERVAL - 1e-9
                for (before, *_), (after, *_) in zip(reports, reports[1:]))
 
 
 def test_self_test_passes_when_every_test_does():
     """Its id is that of the hardware, its tests are the tasks that can fail."""
-    verdicts = {'Link': Verdict(OK, 'open'), 'Framing': Verdict(OK, 'intact'),
-                'Rates': Verdict(OK, 'right'), 'Integrity': Verdict(OK, 'safe'),
-                'Publishing': Verdict(OK, 'yes')}
-    response = answer(verdicts, '/dev/ttyUSB0', 'OSS-1', SelfTest.Response())
+    summaries = {'Link': Summary(OK, 'open'), 'Framing': Summary(OK, 'intact'),
+                 'Rates': Summary(OK, 'right'), 'Integrity': Summary(OK, 'safe'),
+                 'Publishing': Summary(OK, 'yes')}
+    response = answer(summaries, '/dev/ttyUSB0', 'OSS-1', SelfTest.Response())
     assert response.passed == b'\x01' and response.id == 'OSS-1'
     assert [status.name for status in response.status] == [
         'Port open and bytes flowing', 'Frames valid', 'Rates right', 'Integrity safe']
-    verdicts['Integrity'] = Verdict(WARN, 'roll integrity risk')
-    response = answer(verdicts, '/dev/ttyUSB0', 'OSS-1', SelfTest.Response())
+    summaries['Integrity'] = Summary(WARN, 'roll integrity risk')
+    response = answer(summaries, '/dev/ttyUSB0', 'OSS-1', SelfTest.Response())
     assert response.passed == b'\x00'
     assert response.status[3].message == 'roll integrity risk'
 
@@ -126,10 +128,10 @@ def test_self_test_passes_when_every_test_does():
 @pytest.mark.parametrize('task', ['Requests', 'Device'])
 def test_self_test_fails_where_answers_are_missing_or_cannot_be_read(task):
     """A device that is asked may be fine on the line, and still nothing be published."""
-    verdicts = dict.fromkeys(('Link', 'Framing', 'Rates', 'Time', 'Requests', 'Device'),
-                             Verdict(OK, 'fine'))
-    assert answer(verdicts, '', '', SelfTest.Response()).passed == b'\x01'
-    verdicts[task] = Verdict(WARN, 'not fine')
-    response = answer(verdicts, '', '', SelfTest.Response())
+    summaries = dict.fromkeys(('Link', 'Framing', 'Rates', 'Time', 'Requests', 'Device'),
+                              Summary(OK, 'fine'))
+    assert answer(summaries, '', '', SelfTest.Response()).passed == b'\x01'
+    summaries[task] = Summary(WARN, 'not fine')
+    response = answer(summaries, '', '', SelfTest.Response())
     assert response.passed == b'\x00'
     assert [status.message for status in response.status if status.level != OK] == ['not fine']

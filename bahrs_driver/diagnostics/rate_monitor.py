@@ -1,29 +1,30 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Whether counters grow as fast as they should.
+Measure whether counters grow at their rates.
 
-What host or adapter hold back in one span of time comes in the next, so one span proves nothing:
-a rate is wrong if it was too low in two spans on end, or too high in both. And as spans are looked
-at when they end, a rate at the edge of its tolerance does not change its verdict at every message.
+What a host or adapter holds back in one span of time comes in the next, so one span proves
+nothing: a rate is wrong if it was too low in two spans in a row, or too high in both. Rates are
+measured at the end of a span only, so a rate at the edge of its tolerance does not change its
+state at every message.
 """
 
 from collections.abc import Callable, Sequence
 import threading
 
-LEAST = 2.0         # counts by which a span may always be off
+MIN_TOLERANCE = 2.0         # counts by which a span may always differ
 
 
-class Steadiness:
-    """Watches counters. One thread may ask while another begins anew."""
+class RateMonitor:
+    """
+    Watches counters that read returns, and that should grow by rates in Hz; 0 is any rate.
+
+    A span in seconds may differ by the tolerance, a share of the expected count. One thread may
+    call wrong() while another calls restart().
+    """
 
     def __init__(self, read: Callable[[], Sequence[int]], rates: Sequence[float],
                  tolerance: float, span: float) -> None:
-        """
-        Expect the counters that read returns to grow by rates in Hz; 0 is any.
-
-        A span in seconds may be off by the tolerance, a share of what is expected.
-        """
         self._read = read
         self._rates = rates
         self._tolerance = tolerance
@@ -34,7 +35,7 @@ class Steadiness:
         self._wrong: dict[int, float] = {}
 
     def restart(self) -> None:
-        """Forget what was, and begin when asked next."""
+        """Forget all spans; the next call of wrong() begins another."""
         with self._lock:
             self._start = None
             self._sides = [0] * len(self._rates)
@@ -46,10 +47,10 @@ class Steadiness:
             if self._start is None:
                 self._start = now, self._read()
             elif now - self._start[0] >= self._span:
-                self._look(now, *self._start)
+                self._measure(now, *self._start)
             return self._wrong
 
-    def _look(self, now: float, begin: float, before: Sequence[int]) -> None:
+    def _measure(self, now: float, begin: float, before: Sequence[int]) -> None:
         counts, elapsed = self._read(), now - begin
         growth = [new - old for new, old in zip(counts, before)]
         sides = [self._side(grown, elapsed * rate) for grown, rate in zip(growth, self._rates)]
@@ -60,6 +61,6 @@ class Steadiness:
 
     def _side(self, count: int, expected: float) -> int:
         """Return -1 for too few, 1 for too many, 0 for right."""
-        if not expected or abs(count - expected) <= max(LEAST, expected * self._tolerance):
+        if not expected or abs(count - expected) <= max(MIN_TOLERANCE, expected * self._tolerance):
             return 0
         return 1 if count > expected else -1

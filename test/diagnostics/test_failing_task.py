@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A task that fails is shown as failed, and the others as they are."""
 
-from bahrs_driver.diagnostics.guarded_task import GuardedTask
-from bahrs_driver.diagnostics.monitor import Monitor
-from bahrs_driver.diagnostics.task import ERROR, OK, Verdict
+from bahrs_driver.diagnostics.task import ERROR, Message, OK
+from bahrs_driver.diagnostics.updater import Updater
 from bahrs_driver.process.fault_log import FaultLog
 from hypothesis import given, strategies as st
 
@@ -12,19 +11,18 @@ from hypothesis import given, strategies as st
 class Task:
     """A task that may fail."""
 
-    def __init__(self, name, judge_error=None, values_error=None):
-        """Raise these, if they are given."""
+    def __init__(self, name, run_error=None, values_error=None):
         self.name = name
-        self._errors = judge_error, values_error
+        self._errors = run_error, values_error
 
-    def judge(self, now):
-        """Return the state."""
+    def run(self, status):
+        """Report that all is well, or raise."""
+        status.values_from(self._values)
         if self._errors[0]:
             raise self._errors[0]
-        return Verdict(OK, 'fine')
+        return status.summary(Message(OK, 'fine'))
 
-    def values(self, now):
-        """Return the values."""
+    def _values(self, now):
         if self._errors[1]:
             raise self._errors[1]
         return {'key': 'value'}
@@ -39,12 +37,12 @@ def test_every_task_is_reported(errors):
     lines = []
     faults = FaultLog(lines.append, str)
     tasks = [Task(f'Task {index}', *pair) for index, pair in enumerate(errors)]
-    monitor = Monitor([GuardedTask(task, faults) for task in tasks], 'node', 'port')
-    statuses = monitor.statuses()
+    updater = Updater(tasks, 'node', 'port', faults=faults)
+    statuses = updater.statuses()
     assert [status.level for status in statuses] == [
-        ERROR if judge else OK for judge, _ in errors]
+        ERROR if run else OK for run, _ in errors]
     assert [len(status.values) for status in statuses] == [
         0 if values else 1 for _, values in errors]
     assert len(lines) == faults.count == sum(error is not None for pair in errors
                                              for error in pair)
-    assert set(monitor.verdicts()) == {task.name for task in tasks}
+    assert set(updater.summaries()) == {task.name for task in tasks}

@@ -1,0 +1,38 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The diagnostics of one device and its stream of messages."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from bahrs_driver.diagnostics.rates_task import RatesTask
+from bahrs_driver.diagnostics.task import DiagnosticTask
+
+
+class StreamHealth:
+    """Watches the messages of a device; rates decides when the stream is stale."""
+
+    def __init__(self, rates: RatesTask, *tasks: DiagnosticTask) -> None:
+        self._rates = rates
+        self.tasks: Sequence[DiagnosticTask] = (rates, *tasks)
+
+    def observe(self, message: Any, now: float) -> None:
+        """Count a message that arrived at a time of time.monotonic()."""
+        self._rates.observe(message, now)
+
+    def restart(self) -> None:
+        """Begin another stream."""
+        self._rates.restart()
+
+    def stale(self, now: float) -> bool:
+        """Return whether the data has ceased, at a time of time.monotonic()."""
+        return self._rates.stale(now)
+
+    @property
+    def lost(self) -> int:
+        """Messages lost since the start."""
+        return sum(self._rates.lost.values())
+
+    def device_id(self) -> str:
+        """Return the identification of the device; empty if it has sent none."""
+        return ''

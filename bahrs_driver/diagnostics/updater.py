@@ -1,0 +1,100 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Run all tasks, and decide when a change must be published at once.
+
+A change of level or message is reported at once, but never more than 20 times a second. Numbers
+do not count: a message such as "Lost just now: 3 inertial" changes with each loss, and the next
+periodic report shows the new numbers.
+"""
+
+from collections.abc import Callable, Sequence
+import re
+import threading
+import time
+
+from bahrs_driver.diagnostics.names import status_name
+from bahrs_driver.diagnostics.task import DiagnosticTask, ERROR, Message, Status, Summary
+from bahrs_driver.process.fault_log import FaultLog
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+
+MIN_INTERVAL = 0.05         # s from one report to the next
+TASK_FAILED = Message(ERROR, 'This check failed, its state is unknown: please report the fault '
+                             'that the log shows')
+_NUMBER = re.compile(r'\d+([.,]\d+)*')
+
+
+class Updater:
+    """
+    Runs tasks, from any thread. A task that raises does not affect the others.
+
+    node_label and hardware_id identify a status to subscribers, and must stay the same: after a
+    change, subscribers would keep an entry that is never updated. Without a fault log, what a task
+    raises is passed on.
+    """
+
+    def __init__(self, tasks: Sequence[DiagnosticTask], node_label: str, hardware_id: str,
+                 clock: Callable[[], float] = time.monotonic,
+                 faults: FaultLog | None = None) -> None:
+        self._tasks = tasks
+        self._node_label = node_label
+        self.hardware_id = hardware_id
+        self._clock = clock
+        self._faults = faults
+        self._lock = threading.Lock()
+        self._reported: list[tuple[bytes, str]] = []
+        self._reported_at = -MIN_INTERVAL
+
+    def report_allowed(self) -> bool:
+        """Return whether the latest report is at least MIN_INTERVAL old."""
+        with self._lock:
+            return self._clock() - self._reported_at >= MIN_INTERVAL
+
+    def change_due(self) -> bool:
+        """Return whether a level or message differs from the latest report, and may go out."""
+        with self._lock:
+            now = self._clock()
+            return now - self._reported_at >= MIN_INTERVAL and \
+                [_without_numbers(self._run(task, now).report)
+                 for task in self._tasks] != self._reported
+
+    def summaries(self) -> dict[str, Summary]:
+        """Return the present level and message of each task, by its name."""
+        with self._lock:
+            now = self._clock()
+            return {task.name: self._run(task, now).report for task in self._tasks}
+
+    def statuses(self) -> list[DiagnosticStatus]:
+        """Return the present level, message and values of each task."""
+        with self._lock:
+            now = self._clock()
+            found = [(task.name, self._run(task, now)) for task in self._tasks]
+            self._reported = [_without_numbers(status.report) for _, status in found]
+            self._reported_at = now
+            return [DiagnosticStatus(
+                level=status.report.level, name=status_name(self._node_label, name),
+                message=status.report.message, hardware_id=self.hardware_id,
+                values=self._values(name, status)) for name, status in found]
+
+    def _run(self, task: DiagnosticTask, now: float) -> Status:
+        status = Status(now)
+        try:
+            return task.run(status)
+        except Exception as error:
+            if self._faults is None:
+                raise
+            self._faults.report(f'evaluating the diagnostics of {task.name}', error)
+            return status.summary(TASK_FAILED)
+
+    def _values(self, name: str, status: Status) -> list[KeyValue]:
+        try:
+            return [KeyValue(key=key, value=value) for key, value in status.values().items()]
+        except Exception as error:
+            if self._faults is None:
+                raise
+            self._faults.report(f'collecting the values of {name}', error)
+            return []
+
+
+def _without_numbers(summary: Summary) -> tuple[bytes, str]:
+    return summary.level, _NUMBER.sub('#', summary.message)

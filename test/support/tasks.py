@@ -1,0 +1,26 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Run a diagnostic task at a given time."""
+
+import re
+
+from bahrs_driver.diagnostics.task import Status
+
+
+def summary_of(task, now):
+    """Return level and message, which are those of a message that the task declares."""
+    summary = task.run(Status(now)).report
+    assert any(summary.level == message.level and _pattern(message).fullmatch(summary.message)
+               for message in task.messages), summary
+    return summary
+
+
+def values_of(task, now):
+    """Return the values."""
+    return task.run(Status(now)).values()
+
+
+def _pattern(message):
+    """Return a regular expression for the text, whatever the fields are."""
+    parts = re.split(r'\{[^}]*\}', message.text)
+    return re.compile('.*'.join(map(re.escape, parts)), re.DOTALL)
