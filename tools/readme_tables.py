@@ -2,27 +2,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write the tables of the README from the code that they describe."""
 
+from collections.abc import Iterable
 from pathlib import Path
 import re
 import sys
 
-from bahrs_driver.convert.bahrs.converter import TOPICS as BAHRS_TOPICS
-from bahrs_driver.convert.titan_m.converter import TOPICS as TITAN_TOPICS
-from bahrs_driver.devices.titan_m_health import TitanDeviceTask
-from bahrs_driver.diagnostics.device_task import DeviceTask
+from bahrs_driver.devices.registry import all_topics, DEVICES
 from bahrs_driver.diagnostics.framing_task import FramingTask
-from bahrs_driver.diagnostics.integrity_task import IntegrityTask
 from bahrs_driver.diagnostics.link_task import LinkTask
 from bahrs_driver.diagnostics.publishing_task import PublishingTask
-from bahrs_driver.diagnostics.rates_task import RatesTask
-from bahrs_driver.diagnostics.requests_task import RequestsTask
+from bahrs_driver.diagnostics.task import DiagnosticTask
 from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.settings.parameter import Parameter
-from bahrs_driver.settings.table import PARAMETERS
+from bahrs_driver.settings.table import defaults, PARAMETERS
+from bahrs_driver.transport.link import Link
 
 README = Path(__file__).resolve().parents[1] / 'README.md'
-TASKS = (LinkTask, FramingTask, RatesTask, RequestsTask, IntegrityTask, TimeTask, DeviceTask,
-         TitanDeviceTask, PublishingTask)
 LEVELS = ('OK', 'WARN', 'ERROR', 'STALE')
 # What stands in the messages of the table for each field.
 EXAMPLES: dict[str, object] = {
@@ -64,8 +59,17 @@ def diagnostics_table() -> str:
     rows = ['| what is wrong | task | level | message |', '|---|---|---|---|']
     rows += [f'| {message.cause} | {task.name} | {LEVELS[ord(message.level)]} '
              f'| {message.text.format(**EXAMPLES)} |'
-             for task in TASKS for message in task.messages if message.cause]
+             for task in _tasks() for message in task.messages if message.cause]
     return '\n'.join(rows)
+
+
+def _tasks() -> Iterable[type[DiagnosticTask]]:
+    """Return the tasks of all devices, each class once."""
+    tasks: list[type[DiagnosticTask]] = [LinkTask, FramingTask, TimeTask]
+    for name, spec in DEVICES.items():
+        parts = spec.parts({**defaults(), 'sensor': name})
+        tasks += map(type, [*parts.health.tasks, *parts.live(Link('/dev/null', 115200)).tasks])
+    return dict.fromkeys([*tasks, PublishingTask])
 
 
 def parameter_table() -> str:
@@ -85,8 +89,7 @@ def with_tables(text: str) -> str:
 
 def missing_topics(text: str) -> list[str]:
     """Return the topics that the README does not name with their type."""
-    topics = {**BAHRS_TOPICS, **TITAN_TOPICS}
-    return [topic for topic, kind in topics.items()
+    return [topic for topic, kind in all_topics().items()
             if not re.search(rf'\| `{topic}` \| \w+/{kind.__name__} \|', text)]
 
 

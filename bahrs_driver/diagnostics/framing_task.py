@@ -115,8 +115,9 @@ class FramingTask:
 
     def _examine_bytes(self) -> tuple[Message, dict[str, Any]]:
         sample = self._counters.last_bytes
-                 protocol: Callable[[], Mapping[str, str]],
-                 recognize: Callable[[bytes], str], error_share: float) -> None:
+        found = self._recognize(sample)
+        if found and found != self._sensor:
+            return OTHER_SENSOR, {'found': found, 'sensor': self._sensor}
         text = sum(byte in b'\r\n\t' or 0x20 <= byte < 0x7F for byte in sample)
         if text > TEXT_SHARE * len(sample):
             return TEXT, {'sensor': self._sensor}

@@ -134,9 +134,9 @@ def test_an_invalid_zone_is_no_fix(zone):
     assert out['fix'].status.status == NavSatStatus.STATUS_NO_FIX
     assert math.isnan(out['fix'].latitude) and math.isnan(out['fix'].altitude)
     assert out['fix'].position_covariance_type == NavSatFix.COVARIANCE_TYPE_UNKNOWN
-    assert parts.gps_text == 'no fix'
+    assert parts.gps_status.lacks_fix and str(parts.gps_status) == 'no fix'
     told(parts, replace(GPS, northern=False))
-    assert parts.gps_text == 'fix in zone 32 south'
+    assert str(parts.gps_status) == 'fix in zone 32 south'
 
 
 def test_velocity_of_the_gps_where_the_state_is_not_asked_for():
