@@ -104,9 +104,8 @@ def known(ear):
 
 def status(ear, task):
     """Return the latest status of a task, or None."""
-    found = [item for array in ear.heard['/diagnostics'] for item in array.status
-             if item.name == f'bahrs_driver: {task}']
-    return found[-1] if found else None
+    return next((item for array in reversed(ear.heard['/diagnostics']) for item in array.status
+                 if item.name == f'bahrs_driver: {task}'), None)
 
 
 def says(ear, task, level, words):
