@@ -14,6 +14,8 @@ import tempfile
 from threading import Event
 from typing import TextIO
 
+from bahrs_driver.devices.registry import DEFAULT, DEVICES
+
 BIN = Path(sys.executable).parent
 END_TIMEOUT = 5.0       # s
 NO_DATA = 1             # exit status of the monitor
@@ -23,7 +25,7 @@ def main() -> int:
     """Run until the time is up, Ctrl-C, or the driver ends; 1 if no data came."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--port', help='use this port instead of an emulated device')
-    parser.add_argument('--sensor', default='bahrs', choices=('bahrs', 'titan_m'),
+    parser.add_argument('--sensor', default=DEFAULT, choices=tuple(DEVICES),
                         help='which device (default: %(default)s)')
     parser.add_argument('--duration', type=float, help='end after so many seconds')
     options = parser.parse_args()

@@ -16,7 +16,7 @@ from bahrs_driver.cli.convert_settings import read_settings, unused_options
 from bahrs_driver.cli.node_options import checked_namespace
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.cli.sensors import sensor_of
-from bahrs_driver.devices.registry import DEVICES
+from bahrs_driver.devices.registry import DEFAULT, DEVICES
 from bahrs_driver.errors import CaptureError, CommandError, ParameterError, WriteError
 from bahrs_driver.files.new_directory import new_directory
 from bahrs_driver.process.printable import printable
@@ -48,7 +48,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='a rosbag2 directory with MCAP, or a CSV file for each topic '
                              '(default: %(default)s)')
     parser.add_argument('--sensor', choices=tuple(DEVICES),
-                        help='which device sent it (default: as the bag says, or bahrs)')
+                        help='which device sent it (default: as the bag says, or '
+                             f'{DEFAULT})')
     parser.add_argument('--start', type=_time, metavar='TIME',
                         help='for a file of bytes: the time of its first time message, as '
                              '2026-05-01T12:00:00Z or in seconds since 1970 (default: stamps are '
@@ -69,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
     _refuse_pipe(options.input)
     try:
         capture = read_capture(options.input, options.topic)
-        name = sensor_of(capture, options.sensor, DEVICES)
+        name = sensor_of(capture, options.sensor)
         if DEVICES[name].needs_read_times and not capture.timed:
             raise CommandError(f'{options.input} cannot be converted: answers of a {name} have no '
                                'times; record the topic raw, or look at them with bahrs decode')

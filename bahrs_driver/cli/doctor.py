@@ -53,8 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--no-listen', action='store_true',
                         help='do not open the port')
     parser.add_argument('--ask', action='store_true',
-                        help='write requests for its state to a Titan-M, which answers only; '
-                             'without this nothing is ever written')
+                        help='write requests to find a device that only answers; without this '
+                             'nothing is ever written')
     parser.add_argument('--json', action='store_true',
                         help='print one JSON array of check, level, message and command')
     parser.add_argument('--root', type=Path, default=Path('/'), help=argparse.SUPPRESS)

@@ -3,7 +3,7 @@
 """`bahrs replay`: a recorded stream of bytes, on a port, as the device sent it."""
 
 import argparse
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 import json
 import sys
 import time
@@ -14,12 +14,11 @@ from bahrs_driver.bag.read_capture import read_capture
 from bahrs_driver.cli.arguments import a_number, checked, positive
 from bahrs_driver.cli.files import binary_input, STANDARD_INPUT
 from bahrs_driver.cli.sensors import sensor_of
+from bahrs_driver.devices.registry import DEFAULT, DEVICES
 from bahrs_driver.errors import CommandError, WriteError
 from bahrs_driver.files.guard import reason
 from bahrs_driver.process.printable import printable
-from bahrs_driver.protocol.bahrs.frames import BahrsFormat
-from bahrs_driver.protocol.framing import FrameFormat, Framer
-from bahrs_driver.protocol.titan_m.frames import AnswerFormat
+from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.units import NS_PER_S
 from bahrs_driver.virtual_serial.cable import adapter_mode, AT_ONCE, Cable
 from bahrs_driver.virtual_serial.faults import Faults, NAMES as FAULTS, parse_fault
@@ -30,7 +29,6 @@ from bahrs_driver.virtual_serial.pty_port import PtyPort
 BAUD_RATE = 115200
 LONGEST_UNREAD = 60.0       # s that a reader may take for the last bytes
 REOPEN_TIMEOUT = 10.0       # s; a driver that was started again opens the port within a few
-FORMATS: dict[str, Callable[[], FrameFormat]] = {'bahrs': BahrsFormat, 'titan_m': AnswerFormat}
 
 _EXAMPLES = """examples:
   bahrs replay flight.bin --link /tmp/bahrs       bytes, at the rates of the device
@@ -44,8 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
         'Make a serial port (a pseudo-terminal), print its path, wait until somebody opens\n'
-        'it, and play what a device sent: a bag that holds raw as it was read, bytes of a\n'
-        'BAHRS at the rates of the device. Playing pauses while no reader has the port open.')
+        'it, and play what a device sent: a bag that holds raw at its own times, a file of\n'
+        'bytes at the message rates of the device. Playing pauses while no reader has the\n'
+        'port open.')
     parser.epilog = '\n'.join([
         _EXAMPLES, 'faults, with a rate from 0 to 1 for each byte or frame:',
         *(f'  {name:<28}{text}' for name, text in FAULTS.items())])
@@ -65,9 +64,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='topic of the bytes, for a bag with several')
     parser.add_argument('--json', action='store_true',
                         help='print what was played as a JSON object at the end')
-    parser.add_argument('--sensor', choices=tuple(FORMATS),
+    parser.add_argument('--sensor', choices=tuple(DEVICES),
                         help='whose frames faults are put on (default: as the bag says, or '
-                             'bahrs)')
+                             f'{DEFAULT})')
     group = parser.add_argument_group('cable')
     group.add_argument('--fault', type=checked(parse_fault), action='append', default=[],
                        metavar='NAME=RATE', help='damage what is sent, see below; again for each')
@@ -89,7 +88,7 @@ def run(options: argparse.Namespace) -> int:
         content, capture = b'', read_capture(options.file, options.topic)
         if not capture.size:
             raise CommandError(f'{printable(options.file)} is empty: there is nothing to play')
-    options.sensor = sensor_of(capture, options.sensor, FORMATS)
+    options.sensor = sensor_of(capture, options.sensor)
     faults = Faults(options.seed, dict(options.fault))
     try:
         port = PtyPort(options.link)
@@ -107,7 +106,8 @@ def run(options: argparse.Namespace) -> int:
         complete = again = True
         while complete and again:
             pieces = _timed(capture) if capture and capture.timed else \
-                paced(_bytes(capture) if capture else [content])
+                paced(_bytes(capture) if capture else [content], _framer(options),
+                      DEVICES[options.sensor].frame_period)
             complete = player.play(_over_cable(options, pieces, faults))
             again = options.loop
         # What is still unread would vanish with the port.
@@ -119,6 +119,10 @@ def run(options: argparse.Namespace) -> int:
         notes.append('no reader opened the port again: the rest was not played')
     _report(options, player.played, faults, notes)
     return 0 if complete else 1
+
+
+def _framer(options: argparse.Namespace) -> Framer:
+    return Framer(DEVICES[options.sensor].frame_format())
 
 
 def _timed(capture: Capture) -> Iterator[Piece]:
@@ -142,7 +146,7 @@ def _over_cable(options: argparse.Namespace, pieces: Iterator[Piece],
     if not options.fault and options.latency_timer is None:
         return pieces
     cable = Cable(BAUD_RATE, options.latency_timer or AT_ONCE)
-    return through(pieces, cable, faults, Framer(FORMATS[options.sensor]()))
+    return through(pieces, cable, faults, _framer(options))
 
 
 def _report(options: argparse.Namespace, played: int, faults: Faults, notes: list[str]) -> None:

@@ -10,8 +10,7 @@ about, and its name may be anything. None of that may end the search.
 from collections.abc import Callable
 from typing import TypeVar
 
-from bahrs_driver.convert.bahrs.converter import TOPICS as BAHRS_TOPICS
-from bahrs_driver.convert.titan_m.converter import TOPICS as TITAN_TOPICS
+from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.ros.node_names import full_name, NodeChoice, Selection, split_name, USUAL_NAME
 from rclpy.node import Node
 
@@ -25,9 +24,9 @@ def _type_name(kind: type) -> str:
     return f"{kind.__module__.partition('.')[0]}/msg/{kind.__name__}"
 
 
-# Types that a driver of any sensor publishes.
-TYPES = frozenset(map(_type_name, BAHRS_TOPICS.values())) \
-    & frozenset(map(_type_name, TITAN_TOPICS.values()))
+def _is_published_by_a_driver(types: set[str]) -> bool:
+    """Return whether the types of some topics include all those of one device."""
+    return any(set(map(_type_name, spec.topics().values())) <= types for spec in DEVICES.values())
 
 
 def node_names(node: Node) -> list[str]:
@@ -71,7 +70,8 @@ def is_driver(node: Node, full: str) -> bool:
     services = _ask(lambda: node.get_service_names_and_types_by_node(*split_name(full)))
     if not any(SELF_TEST in types for _, types in services):
         return False
-    return TYPES <= {kind for _, types in published(node, full) for kind in types}
+    return _is_published_by_a_driver(
+        {kind for _, types in published(node, full) for kind in types})
 
 
 def published(node: Node, full: str) -> list[tuple[str, list[str]]]:

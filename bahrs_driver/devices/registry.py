@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """All devices of the driver. No other module lists them."""
 
+from collections.abc import Callable
+from typing import Any
+
 from bahrs_driver.devices.bahrs.spec import BahrsSpec
 from bahrs_driver.devices.spec import DeviceSpec
 from bahrs_driver.devices.titan_m.spec import TitanSpec
@@ -19,6 +22,11 @@ def all_topics() -> dict[str, type]:
 def all_latched() -> set[str]:
     """Return the topics of any device whose last message a late subscriber receives."""
     return {topic for spec in DEVICES.values() for topic in spec.latched()}
+
+
+def all_formats() -> dict[str, Callable[[Any], str]]:
+    """Return the function that shows a message as text, for topics that need their own."""
+    return {topic: show for spec in DEVICES.values() for topic, show in spec.formats().items()}
 
 
 def recognize(data: bytes) -> str:

@@ -8,10 +8,10 @@ something of ROS: `bahrs decode` and `bahrs emulate` work without it.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, ClassVar, TYPE_CHECKING
 
-from bahrs_driver.protocol.framing import FrameFormat
+from bahrs_driver.protocol.framing import Frame, FrameFormat
 
 if TYPE_CHECKING:
     from bahrs_driver.devices.parts import Parts
@@ -24,6 +24,8 @@ class DeviceSpec(ABC):
     label: ClassVar[str]                    # name in sentences
     # Settings that a recording requires: nothing can be requested from it.
     recorded_settings: ClassVar[Mapping[str, Any]] = {}
+    # Requests to write, one after another, to find a device that answers only.
+    probe_requests: ClassVar[Sequence[bytes]] = ()
     needs_read_times: ClassVar[bool] = False    # messages hold no time of the device
 
     @abstractmethod
@@ -34,9 +36,21 @@ class DeviceSpec(ABC):
     def topics(self) -> Mapping[str, type]:
         """Return the message type of each topic."""
 
+    def describe(self, frame_format: Any) -> str:
+        """Return the label, with what the frames that passed the format reveal."""
+        return self.label
+
+    def frame_period(self, frame: Frame) -> float | None:
+        """Return the seconds between regular frames of this type; None for other frames."""
+        return None
+
     def latched(self) -> Collection[str]:
         """Return the topics whose last message a late subscriber receives."""
         return ()
+
+    def formats(self) -> Mapping[str, Callable[[Any], str]]:
+        """Return how to show messages of topics that no other device has, by topic."""
+        return {}
 
     @abstractmethod
     def parts(self, settings: Mapping[str, Any]) -> 'Parts':

@@ -4,13 +4,15 @@
 
 import shlex
 
+from bahrs_driver.devices.registry import DEFAULT
+
 RUN_DRIVER = 'ros2 run bahrs_driver driver_node'
-USUAL_SENSOR, USUAL_BAUD_RATE = 'bahrs', 115200
+USUAL_BAUD_RATE = 115200
 
 
-def run_driver(port: str, sensor: str = USUAL_SENSOR, baud_rate: int = USUAL_BAUD_RATE) -> str:
+def run_driver(port: str, sensor: str = DEFAULT, baud_rate: int = USUAL_BAUD_RATE) -> str:
     """Return the command that starts a driver, with what differs from its defaults."""
-    rules = [*([f'sensor:={sensor}'] if sensor != USUAL_SENSOR else []), f'port:={port}',
+    rules = [*([f'sensor:={sensor}'] if sensor != DEFAULT else []), f'port:={port}',
              *([f'baud_rate:={baud_rate}'] if baud_rate != USUAL_BAUD_RATE else [])]
     return f'{RUN_DRIVER} --ros-args ' + ' '.join(f'-p {shlex.quote(rule)}' for rule in rules)
 

@@ -9,9 +9,8 @@ import shlex
 import time
 from typing import Any
 
-from bahrs_driver.convert.bahrs.converter import TOPICS as BAHRS_TOPICS
-from bahrs_driver.convert.titan_m.converter import TOPICS as TITAN_TOPICS
 from bahrs_driver.devices.driver_graph import find_drivers, node_names, published
+from bahrs_driver.devices.registry import all_topics
 from bahrs_driver.doctor import reports
 from bahrs_driver.doctor.commands import RUN_DRIVER, run_driver
 from bahrs_driver.doctor.finding import advice, Finding, good, problem
@@ -19,7 +18,6 @@ from bahrs_driver.ros.node_names import full_name
 from rclpy.node import Node
 from rclpy.qos import qos_check_compatible, QoSCompatibility
 
-TOPICS = {**BAHRS_TOPICS, **TITAN_TOPICS}
 DISCOVERY_TIME = 2.0        # s
 PATIENCE = 4.0              # s more, on a busy machine, before there is said to be no driver
 OF_EVERY_NODE = ('/rosout', '/parameter_events')
@@ -60,7 +58,7 @@ def _publishers(node: Node, namespace: str) -> dict[str, list[str]]:
                       if topic not in (*OF_EVERY_NODE, reports.DIAGNOSTICS)]
                for name in find_drivers(node, namespace)}
     known = set(sum(drivers.values(), []))
-    others = [topic for topic in map(node.resolve_topic_name, TOPICS)
+    others = [topic for topic in map(node.resolve_topic_name, all_topics())
               if topic not in known and node.get_publishers_info_by_topic(topic)]
     return {**drivers, **({'': others} if others else {})}
 

@@ -3,8 +3,8 @@
 """
 Which device speaks on a port, and how fast.
 
-A BAHRS sends by itself, so it is enough to listen, and nothing is written. A Titan-M answers only:
-it is asked if the user wants that.
+For a device that streams it is enough to listen, and nothing is written. A device that only
+answers gets requests if the user wants that.
 """
 
 from collections.abc import Generator, Mapping, Sequence
@@ -12,17 +12,16 @@ import shlex
 import time
 from typing import NamedTuple
 
+from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.doctor.commands import run_doctor, run_driver
 from bahrs_driver.doctor.finding import Finding, good, problem
-from bahrs_driver.protocol.bahrs.frames import BahrsFormat
 from bahrs_driver.protocol.framing import Framer
-from bahrs_driver.protocol.titan_m.frames import AnswerFormat, build_request
-from bahrs_driver.protocol.titan_m.messages import StateRequest
 from bahrs_driver.transport.link import Link, LinkError
 
 BAUD_RATES = (115200, 921600, 460800, 230400, 57600, 38400, 19200, 9600)
 LISTEN_TIME = 1.5           # s at each rate
 ASK_EVERY = 0.3             # s
+STREAMING, ANSWERING = False, True      # whether a device must be asked
 ENOUGH_FRAMES = 20          # to be sure, without listening for so long
 
 
@@ -39,8 +38,9 @@ class Heard(NamedTuple):
 
 def listen(port: str, baud_rate: int, seconds: float = LISTEN_TIME, ask: bool = False) -> Heard:
     """Return what comes on a port, asked for or not; LinkError if it cannot be opened."""
-    frame_format = BahrsFormat()
-    framers = {'bahrs': Framer(frame_format), 'titan_m': Framer(AnswerFormat())}
+    formats = {name: spec.frame_format() for name, spec in DEVICES.items()}
+    framers = {name: Framer(frame_format) for name, frame_format in formats.items()}
+    requests = [request for spec in DEVICES.values() for request in spec.probe_requests]
     link = Link(port, baud_rate)
     link.connect()
     try:
@@ -49,10 +49,8 @@ def listen(port: str, baud_rate: int, seconds: float = LISTEN_TIME, ask: bool = 
         while not ended and not _enough(framers, asked):
             # Told before the read, which takes what came while a busy host did something else.
             ended = time.monotonic() >= begin + seconds
-            if ask and time.monotonic() >= begin + asked * ASK_EVERY:
-                # Nothing tells which byte order the device wants in a checksum.
-                link.write(build_request(
-                    StateRequest, checksum_order='little' if asked % 2 else 'big'))
+            if ask and requests and time.monotonic() >= begin + asked * ASK_EVERY:
+                link.write(requests[asked % len(requests)])
                 asked += 1
             reading = link.read()
             for framer in framers.values():
@@ -63,15 +61,21 @@ def listen(port: str, baud_rate: int, seconds: float = LISTEN_TIME, ask: bool = 
     framer = framers[sensor]
     if not framer.counters.frames:
         return Heard(baud_rate, framer.received)
-    device = 'Titan-M' if sensor == 'titan_m' else \
-        f'BAHRS of protocol version {frame_format.version_seen}'
+    device = DEVICES[sensor].describe(formats[sensor])
     return Heard(baud_rate, framer.received, device, sensor, framer.counters.frames,
                  framer.counters.crc_failures)
 
 
 def _enough(framers: Mapping[str, Framer], asked: int) -> bool:
-    return framers['bahrs'].counters.frames >= ENOUGH_FRAMES \
-        or framers['titan_m'].counters.frames >= max(1, asked // 2)
+    return any(framer.counters.frames >= (
+        max(1, asked // 2) if DEVICES[name].probe_requests else ENOUGH_FRAMES)
+        for name, framer in framers.items())
+
+
+def _labels(*kinds: bool) -> str:
+    """Return the labels of all devices, or of those that stream or only answer."""
+    return ' or '.join(spec.label for spec in DEVICES.values()
+                       if bool(spec.probe_requests) in (kinds or (STREAMING, ANSWERING)))
 
 
 def look(port: str, asked_rate: int, seconds: float = LISTEN_TIME, ask: bool = False,
@@ -87,9 +91,10 @@ def look(port: str, asked_rate: int, seconds: float = LISTEN_TIME, ask: bool = F
             yield _described(first)
             return first
         if not first.bytes_received and not ask:
-            yield problem('device', f'nothing arrives on {port}: a BAHRS sends by itself, so look '
-                                    'at its power and at the line from its output; a Titan-M '
-                                    'must be asked', run_doctor(port, asked_rate, ask=True))
+            yield problem('device', f'nothing arrives on {port}: a {_labels(STREAMING)} streams, '
+                                    'so check its power and the line from its output; a '
+                                    f'{_labels(ANSWERING)} must be asked',
+                          run_doctor(port, asked_rate, ask=True))
             return None
         for rate in rates:
             if rate != asked_rate and (heard := listen(port, rate, seconds, ask)).device:
@@ -102,12 +107,13 @@ def look(port: str, asked_rate: int, seconds: float = LISTEN_TIME, ask: bool = F
         yield problem('device', f'cannot listen: {error}', run_doctor(port, asked_rate))
         return None
     if not first.bytes_received:
-        yield problem('device', f'nothing arrives on {port}, though a Titan-M was asked at all '
-                                'usual rates: look at its power and at both lines, then ask again',
+        yield problem('device', f'nothing arrives on {port}, though a {_labels(ANSWERING)} was '
+                                'asked at all usual rates: check its power and both lines, then '
+                                'ask again',
                       run_doctor(port, asked_rate, ask=True))
         return None
     yield problem('device', f'{first.bytes_received:,} bytes arrive at {asked_rate} baud, but no '
-                            'frame of a BAHRS or Titan-M, at no usual rate: it is another device, '
+                            f'frame of a {_labels()}, at no usual rate: it is another device, '
                             'or the line is inverted or noisy; look at the bytes',
                   f'stty -F {shlex.quote(port)} {asked_rate} raw && '
                   f'timeout 1 xxd {shlex.quote(port)} | head')
@@ -115,7 +121,7 @@ def look(port: str, asked_rate: int, seconds: float = LISTEN_TIME, ask: bool = F
 
 
 def _described(heard: Heard) -> Finding:
-    verb = 'answers' if heard.sensor == 'titan_m' else 'sends'
+    verb = 'answers' if DEVICES[heard.sensor].probe_requests else 'sends'
     damage = f', {heard.damaged} damaged' if heard.damaged else ', none damaged'
     return good('device', f'a {heard.device} {verb} at {heard.baud_rate} baud: {heard.frames} '
                           f'frames{damage}')

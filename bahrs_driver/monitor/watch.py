@@ -12,9 +12,8 @@ import math
 import time
 from typing import Any
 
-from bahrs_driver.convert.bahrs.converter import LATCHED, TOPICS as BAHRS_TOPICS
-from bahrs_driver.convert.titan_m.converter import TOPICS as TITAN_TOPICS
 from bahrs_driver.devices.driver_graph import NodeSearch
+from bahrs_driver.devices.registry import all_formats, all_latched, all_topics
 from bahrs_driver.monitor.health import Health
 from bahrs_driver.monitor.tally import Tally
 from bahrs_driver.monitor.values import Attitude, attitude, attitude_text, FORMATS, vertical_force
@@ -27,7 +26,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 
-TOPICS = {**BAHRS_TOPICS, **TITAN_TOPICS}
 LONGEST_WAIT = 0.05         # s to wait for a message before looking at the time
 DATA_TIMEOUT = 1.5          # s without data, from which on it has stopped
 DRIVER_TIMEOUT = 3.5        # s without diagnostics, from which on the driver is gone
@@ -43,7 +41,9 @@ class Watch:
     """Listens to the topics of one driver, and to all diagnostics to find it."""
 
     def __init__(self, node: Node, selection: Selection = Selection()) -> None:
-        self.tallies = {topic: Tally() for topic in TOPICS}
+        self._topics, self._latched = all_topics(), all_latched()
+        self._formats = {**all_formats(), **FORMATS}
+        self.tallies = {topic: Tally() for topic in self._topics}
         self.choice = NodeChoice(selection)
         self.health = Health(self.choice)
         self.namespace = ''
@@ -60,7 +60,7 @@ class Watch:
 
     def spin(self, seconds: float) -> None:
         """Listen for a while."""
-        self._offered = {topic for topic in TOPICS if self._node.count_publishers(
+        self._offered = {topic for topic in self._topics if self._node.count_publishers(
             full_name(topic, self.namespace))}
         self._search.update(self._node, time.monotonic())
         end = time.monotonic() + seconds
@@ -103,7 +103,7 @@ class Watch:
     def message(self, topic: str) -> Any:
         """Return the latest message of a topic; None without one that can be read."""
         data = self.tallies[topic].data if topic in self.tallies else b''
-        return _deserialized(data, TOPICS[topic]) if data else None
+        return _deserialized(data, self._topics[topic]) if data else None
 
     def text(self, topic: str) -> str:
         """Return what the latest message of a topic says; nothing if there was none."""
@@ -112,7 +112,7 @@ class Watch:
             return 'unreadable' if self.tallies[topic].data else ''
         if topic == 'imu/data':
             return attitude_text(self._flown(attitude(message)))
-        return printable(FORMATS[topic](message))
+        return printable(self._formats[topic](message))
 
     def fresh(self, topic: str) -> Any:
         """Return the latest message of a topic; None if it is of the past."""
@@ -140,17 +140,17 @@ class Watch:
         for subscription in self._subscriptions:
             self._node.destroy_subscription(subscription)
         self.namespace = namespace
-        self.tallies = {topic: Tally() for topic in TOPICS}
+        self.tallies = {topic: Tally() for topic in self._topics}
         self._data_at = -math.inf
         self._subscriptions = [
             self._node.create_subscription(
                 kind, full_name(topic, namespace), partial(self._count, topic),
-                _LATCHED_PROFILE if topic in LATCHED else _PROFILE, raw=True)
-            for topic, kind in TOPICS.items()]
+                _LATCHED_PROFILE if topic in self._latched else _PROFILE, raw=True)
+            for topic, kind in self._topics.items()]
 
     def _count(self, topic: str, data: bytes) -> None:
         self.tallies[topic].add(data)
-        if topic not in LATCHED:            # a late joiner gets those from the past, too
+        if topic not in self._latched:            # a late joiner gets those from the past, too
             self._data_at = time.monotonic()
 
     def _diagnose(self, data: bytes) -> None:

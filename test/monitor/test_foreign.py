@@ -6,9 +6,10 @@ import io
 import json
 import re
 
+from bahrs_driver.devices.registry import all_topics
 from bahrs_driver.monitor.page import Page
 from bahrs_driver.monitor.tables import record, tables
-from bahrs_driver.monitor.watch import DIAGNOSTICS, TOPICS, Watch
+from bahrs_driver.monitor.watch import DIAGNOSTICS, Watch
 from bahrs_driver.ros.node_names import Selection
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Quaternion
@@ -19,6 +20,7 @@ from rclpy.context import Context
 from rclpy.serialization import serialize_message
 from rich.console import Console
 
+TOPICS = all_topics()
 NODE = '/bahrs_driver'
 FLOATS = st.one_of(st.floats(), st.sampled_from([float('nan'), float('inf'), 1e308, -1e154, 0.0]))
 TEXTS = st.one_of(

@@ -47,7 +47,7 @@ def test_any_time_of_a_pulse_is_taken(seconds, nanoseconds):
     message.header.stamp.sec, message.header.stamp.nanosec = seconds, nanoseconds
     heard = []
     clock = SimpleNamespace(pulse_reference=heard.append)
-    DriverNode._on_pulse_reference(SimpleNamespace(_sensor=SimpleNamespace(clock=clock)), message)
+    DriverNode._on_pulse_reference(SimpleNamespace(_parts=SimpleNamespace(clock=clock)), message)
     reference = PulseReference(SECOND, told=True)
     reference.tell(*heard)
     assert heard == [seconds * SECOND + nanoseconds]

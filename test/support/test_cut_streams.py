@@ -5,6 +5,8 @@
 from functools import lru_cache
 
 from bahrs_driver.clock import SampleClock
+from bahrs_driver.devices.registry import DEVICES
+from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.virtual_serial.pacing import paced
 from hypothesis import example, given, settings, strategies as st
 import pytest
@@ -19,13 +21,14 @@ SETTLING = 0.3
 SETTLED = 0.03
 ways = st.sampled_from([live, converted])
 ends = st.floats(0, 1)
+BAHRS = DEVICES['bahrs']
 
 
 @lru_cache(maxsize=8)
 def recorded(adapter):
     """Return the first half minute of the recording, after the pause in its beginning."""
     data = shared_file('data/bahrs_recording_v2.bin').read_bytes()[644:200_000]
-    pieces = list(paced([data]))
+    pieces = list(paced([data], Framer(BAHRS.frame_format()), BAHRS.frame_period))
     truth, offset = {}, 0
     for index, (_, piece) in enumerate(pieces):         # an inertial message begins each
         truth[offset] = 0, index * 5_000_000

@@ -1,18 +1,25 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""When the bytes of a recorded stream are due."""
+"""Tests of the schedule of a recorded stream."""
 
+from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.protocol.bahrs.frames import BahrsFormat
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.virtual_serial.cable import Cable
 from bahrs_driver.virtual_serial.faults import Faults
-from bahrs_driver.virtual_serial.pacing import paced, through
+from bahrs_driver.virtual_serial.pacing import paced as paced_frames, through
 import pytest
 from support.emulated import emissions, make_device
 
 
+def paced(chunks):
+    """Schedule the bytes of a BAHRS."""
+    spec = DEVICES['bahrs']
+    return paced_frames(chunks, Framer(spec.frame_format()), spec.frame_period)
+
+
 def test_an_emulated_stream_gets_its_own_times_back():
-    """Nothing is left out, and each sample is 5 ms after the one before."""
+    """No byte is missing, and each sample is due 5 ms after the previous one."""
     sent = emissions(make_device(), 3.0)
     data = b''.join(emission.data for emission in sent)
     pieces = list(paced([data[:5000], data[5000:]]))
@@ -22,22 +29,22 @@ def test_an_emulated_stream_gets_its_own_times_back():
     assert pieces[-1][0] == pytest.approx(2.4, abs=0.011)
 
 
-def test_what_is_no_stream_is_due_at_once():
-    """In one piece."""
+def test_bytes_without_frames_are_due_at_once():
+    """They stay in one piece."""
     assert list(paced([b'nothing in', b' here'])) == [(0.0, b'nothing in here')]
     assert list(paced([])) == [(0.0, b'')]
 
 
-def test_over_a_good_cable_all_arrives_in_its_time():
-    """Each frame when the line has sent it."""
+def test_over_a_good_cable():
+    """Each frame arrives when the line has sent it."""
     pieces = [(0.0, b'abc'), (1.0, b'de'), (1.0, b'f')]
     arrived = list(through(pieces, Cable(115200), Faults(1), Framer(BahrsFormat())))
     assert b''.join(data for _, data in arrived) == b'abcdef'
     assert arrived[-1][0] == pytest.approx(1.0, abs=0.001)
 
 
-def test_over_a_bad_cable():
-    """Frames are lost as a whole, and the adapter holds bytes back."""
+def test_over_a_faulty_cable():
+    """Whole frames are lost, and the adapter holds bytes back."""
     data = b''.join(emission.data for emission in emissions(make_device(), 3.0))
     faults = Faults(1, {'drop_frame': 0.5})
     arrived = list(through(paced([data]), Cable(115200, 0.016), faults, Framer(BahrsFormat())))

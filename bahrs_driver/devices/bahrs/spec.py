@@ -6,11 +6,14 @@ from collections.abc import Collection, Mapping
 from typing import Any, TYPE_CHECKING
 
 from bahrs_driver.devices.spec import DeviceSpec
-from bahrs_driver.protocol.bahrs.frames import BahrsFormat
-from bahrs_driver.protocol.framing import FrameFormat
+from bahrs_driver.protocol.bahrs.frames import BahrsFormat, frame_type
+from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation
+from bahrs_driver.protocol.framing import Frame, FrameFormat
 
 if TYPE_CHECKING:
     from bahrs_driver.devices.parts import Parts
+
+PERIODS = {Inertial.TYPE: 0.005, Navigation.TYPE: 0.01}     # s
 
 
 class BahrsSpec(DeviceSpec):
@@ -22,6 +25,14 @@ class BahrsSpec(DeviceSpec):
     def frame_format(self) -> FrameFormat:
         """Return the frame format with default settings."""
         return BahrsFormat()
+
+    def describe(self, frame_format: Any) -> str:
+        """Return the label with the protocol version that the format has seen."""
+        return f'{self.label} of protocol version {frame_format.version_seen}'
+
+    def frame_period(self, frame: Frame) -> float | None:
+        """Return the seconds between regular frames of this type; None for other frames."""
+        return PERIODS.get(frame_type(frame.data))
 
     def topics(self) -> Mapping[str, type]:
         """Return the message type of each topic."""

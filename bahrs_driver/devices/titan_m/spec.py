@@ -7,7 +7,8 @@ from typing import Any, TYPE_CHECKING
 
 from bahrs_driver.devices.spec import DeviceSpec
 from bahrs_driver.protocol.framing import FrameFormat
-from bahrs_driver.protocol.titan_m.frames import AnswerFormat
+from bahrs_driver.protocol.titan_m.frames import AnswerFormat, build_request, CHECKSUM_ORDERS
+from bahrs_driver.protocol.titan_m.messages import StateRequest
 
 if TYPE_CHECKING:
     from bahrs_driver.devices.parts import Parts
@@ -19,6 +20,9 @@ class TitanSpec(DeviceSpec):
     name = 'titan_m'
     label = 'Titan-M'
     recorded_settings = dict.fromkeys(('state.rate', 'gps.rate', 'sensors.rate'), 0.0)
+    # The byte order of checksums that the device accepts is not known.
+    probe_requests = tuple(build_request(StateRequest, checksum_order=order)
+                           for order in CHECKSUM_ORDERS)
     needs_read_times = True
 
     def frame_format(self) -> FrameFormat:

@@ -57,6 +57,12 @@ def frame_version(data: bytes) -> int:
     return version
 
 
+def frame_type(data: bytes) -> int:
+    """Return the message type of a frame."""
+    message_type: int = HEADER.unpack_from(data)[2]
+    return message_type
+
+
 class BahrsFormat:
     """
     What the framer must know of BAHRS frames.
