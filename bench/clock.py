@@ -16,6 +16,7 @@ import sys
 import time
 
 from bahrs_driver.clock import ClockOptions, SampleClock, Stamped
+from bahrs_driver.protocol.bahrs.roles import ROLES
 from clock_converted import CONVERTED_HEADER, smoothed, through_the_node
 from clock_methods import others, ours, Stamp
 from clock_picture import draw
@@ -140,10 +141,10 @@ def cost() -> Iterator[tuple[object, ...]]:
                 _ = [Stamped(message, frame, now.ros_ns) for message, frame in messages]
 
         def clock() -> None:
-            made = SampleClock()
+            made = SampleClock(ROLES)
             made.begin(BYTE_TIME)
             for now, received, messages in reads:
-                made.read(now, received)
+                made.observe_read(now, received)
                 made.stamp(messages)
 
         floor_us, clock_us = best(floor) / count, best(clock) / count

@@ -7,9 +7,8 @@ import json
 from pathlib import Path
 import tempfile
 
-from bahrs_driver.clock import SampleClock
-from bahrs_driver.clock.estimation.smoother import Survey
-from bahrs_driver.clock.estimation.tracker import Tracker
+from bahrs_driver.clock import Clock, SampleClock
+from bahrs_driver.protocol.bahrs.roles import ROLES
 from clock_methods import judged_stamps, Stamp
 from clock_node import errors_of
 from clock_simulation import BYTE_TIME, Case, Read, Simulation
@@ -30,17 +29,17 @@ LONG = 120.0
 
 def smoothed(case: Case, seed: int) -> list[Stamp]:
     """Return what a conversion makes of a simulated case."""
-    simulation, survey = Simulation(case, seed), Survey()
+    simulation, smoothing = Simulation(case, seed), SampleClock(ROLES).smoothing()
     reads = list(simulation.reads())
-    _stamped(simulation, reads, survey)
-    return _stamped(simulation, reads, survey.lines())
+    _stamped(simulation, reads, smoothing.first_pass)
+    return _stamped(simulation, reads, smoothing.second_pass())
 
 
-def _stamped(simulation: Simulation, reads: list[Read], tracker: Tracker) -> list[Stamp]:
-    clock, stamps = SampleClock(tracker=tracker), []
+def _stamped(simulation: Simulation, reads: list[Read], clock: Clock) -> list[Stamp]:
+    stamps = []
     clock.begin(BYTE_TIME)
     for now, received, messages in reads:
-        clock.read(now, received)
+        clock.observe_read(now, received)
         stamps += judged_stamps(simulation, now, clock.stamp(messages))
     return stamps
 

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from bahrs_driver.clock import ClockOptions, Instant, SampleClock, Stamped
 from bahrs_driver.protocol.bahrs.messages import Inertial
+from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.units import NS_PER_S
 from clock_simulation import BYTE_TIME, Case, ORIGIN, Simulation
@@ -93,11 +94,11 @@ def others(case: Case, seed: int) -> dict[str, list[Stamp]]:
 def ours(case: Case, seed: int,
          options: ClockOptions = ClockOptions()) -> tuple[list[Stamp], SampleClock]:
     """Return what our clock makes of a case, and the clock."""
-    simulation, clock = Simulation(case, seed), SampleClock(options)
+    simulation, clock = Simulation(case, seed), SampleClock(ROLES, options)
     clock.begin(BYTE_TIME)
     stamps = []
     for now, received, messages in simulation.reads():
-        clock.read(now, received)
+        clock.observe_read(now, received)
         stamps += judged_stamps(simulation, now, clock.stamp(messages))
     return stamps, clock
 

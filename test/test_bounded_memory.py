@@ -82,7 +82,7 @@ class Driver:
         counters.bytes_received += len(reading.data)
         counters.last_bytes = (counters.last_bytes + reading.data)[-256:]
         frames = sensor.framer.feed(reading.data)
-        sensor.clock.read(reading.now, sensor.framer.received)
+        sensor.clock.observe_read(reading.now, sensor.framer.received)
         stamped = sensor.clock.stamp(self.decoded(frames))
         for sentence in sensor.clock.take_notices():
             self.time_task.notice(sentence, self.now)

@@ -1,47 +1,48 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Which sample a frame is: its uint8 counter, counted on.
+The count of each sample, from its uint8 sequence counter.
 
-A frame may be lost, so the counter may be ahead by any number; but not by more than time has
-passed. A counter that is not so was damaged, or its frame came twice, and says nothing. If the
-frame after it follows on the one before it, all is well again. Too many such in a row, or
-a silence that may have been a turn of the counter, mean that only a time message can tell.
+Frames may be lost, so a counter may be ahead by any number, but not by more than the elapsed time
+allows. A counter that is ahead by more was corrupted, or its frame came twice, and is ignored. If
+the frame behind it continues the one before it, counting goes on. After too many implausible
+counters in a row, or after a silence in which the counter may have wrapped, only a time message
+can give the count.
 """
 
 from dataclasses import dataclass
 
 from bahrs_driver.units import COUNTER_MODULUS, NS_PER_MS, NS_PER_S
 
-PERIOD = 5 * NS_PER_MS          # nominal, from one inertial sample to the next
+PERIOD = 5 * NS_PER_MS          # nominal, of samples
 LONGEST_SILENCE = 4 * NS_PER_S // 10        # less than a device takes to start
 FAR = 20                        # samples; if more are missing, so is a time message
-SLACK = NS_PER_S // 10          # what a bound may be late by
-DOUBTS = 3                      # counters in a row that make no sense
+SLACK = NS_PER_S // 10          # by which a bound may be late
+MAX_DOUBTS = 3                  # implausible counters in a row
 
 
 @dataclass(frozen=True, slots=True)
 class CountedSequence:
-    """A sample's count, and the counter that its frame has or should have had."""
+    """The count of a sample, and its sequence counter (or the one that it should have)."""
 
     count: int
     sequence: int
 
     def nearest(self, sequence: int) -> int:
-        """Return the count of the sample with a counter that is nearest to this one."""
+        """Return the count nearest to this one of a sample with a given counter."""
         half = COUNTER_MODULUS // 2
         return self.count + (sequence - self.sequence + half) % COUNTER_MODULUS - half
 
 
 class SampleCounter:
-    """Counts samples on from their counters."""
+    """Counts samples by their sequence counters."""
 
     def __init__(self) -> None:
         self.rejected = 0
         self.count = 0                  # of the latest sample
-        self._sequence = -1             # of the latest counter that made sense
+        self._sequence = -1             # latest plausible counter
         self._trusted = 0               # its count
-        self._before = -1, 0            # counter and count of the one before that
+        self._before = -1, 0            # counter and count of the plausible one before that
         self._bound = 0                 # of the latest frame
         self._trusted_bound = 0
         self._doubts = 0
@@ -53,27 +54,32 @@ class SampleCounter:
 
     @property
     def latest(self) -> CountedSequence:
-        """Count of the latest sample, and its counter or what it should have been."""
+        """Count of the latest sample, and the counter that it has or should have."""
         sequence = (self._sequence + self.count - self._trusted) % COUNTER_MODULUS
         return CountedSequence(self.count, sequence)
 
+    @property
+    def lost(self) -> bool:
+        """Whether too many counters in a row were implausible."""
+        return self._doubts >= MAX_DOUBTS
+
     def silence_before(self, bound: int) -> bool:
-        """Whether a frame with this bound comes after so long a time that turns may be lost."""
+        """Whether the counter may have wrapped in the silence before a frame with this bound."""
         return self.started and bound - self._bound > LONGEST_SILENCE
 
-    def may_have_turned(self, sequence: int, latest: int | None) -> bool:
-        """Whether the highest count that a frame can have leaves room for a turn that was lost."""
+    def may_have_wrapped(self, sequence: int, latest: int | None) -> bool:
+        """Whether `latest`, the highest possible count, allows that the counter wrapped."""
         ahead = (sequence - self._sequence) % COUNTER_MODULUS
         return latest is not None and self._trusted + ahead + COUNTER_MODULUS <= latest
 
-    def far(self, sequence: int, bound: int, latest: int | None) -> bool:
-        """Whether so many samples are missing that it may be another counter that goes on."""
+    def is_far(self, sequence: int, bound: int, latest: int | None) -> bool:
+        """Whether so many samples are missing that the device may have been restarted."""
         ahead = (sequence - self._sequence) % COUNTER_MODULUS
         return self.started and ahead > FAR and self._trusted + ahead <= self._limit(bound, latest)
 
-    def follow(self, sequence: int, bound: int) -> bool:
-        """Take the next frame if it follows on the latest, as nearly all do; return whether."""
-        if not self.started or self._doubts or (
+    def advance(self, sequence: int, bound: int) -> bool:
+        """Count the next frame if its counter follows the latest one; return whether it does."""
+        if self._doubts or self._sequence < 0 or (
                 sequence != (self._sequence + 1) % COUNTER_MODULUS):
             return False
         self._before = self._sequence, self._trusted
@@ -83,12 +89,12 @@ class SampleCounter:
         self._bound = self._trusted_bound = bound
         return True
 
-    def place(self, sequence: int, bound: int, latest: int | None) -> bool:
+    def add(self, sequence: int, bound: int, latest: int | None) -> bool:
         """
-        Take the next frame; count is then its place. Return whether its counter made sense.
+        Count the next frame, whatever its counter; return whether the counter was plausible.
 
-        bound is the host's time that it was not sent after, latest the highest count that it can
-        have by what is known of the device's time.
+        bound is the latest host time at which the frame was sent, latest the highest count that
+        it can have by device time, if that is known.
         """
         latest = self._limit(bound, latest)
         self._bound = bound
@@ -97,7 +103,7 @@ class SampleCounter:
             self._trust(sequence, 0, bound)
         elif ahead and self._trusted + ahead <= latest:
             self._trust(sequence, self._trusted + ahead, bound)
-        elif not self._retrust(sequence, bound):
+        elif not self._skip_corrupted(sequence, bound):
             self.rejected += 1
             self._doubts += 1
             self.count += bool(ahead)       # the same counter again: the same sample
@@ -105,24 +111,19 @@ class SampleCounter:
         return True
 
     def jump(self, sequence: int, bound: int) -> None:
-        """Take a frame whose count does not follow from the one before."""
+        """Count a frame whose count does not follow from the one before."""
         self.expect(sequence, bound)
-        self.follow(sequence, bound)
+        self.advance(sequence, bound)
 
     def expect(self, sequence: int, bound: int) -> None:
-        """Go on as if the frame before that with this counter had come."""
+        """Continue as if the sample before the one with this counter had just arrived."""
         ahead = (sequence - self._sequence) % COUNTER_MODULUS or COUNTER_MODULUS
         self._trust((sequence - 1) % COUNTER_MODULUS, self._trusted + ahead - 1, bound)
         self._before = -1, 0
         self._bound = bound
 
-    @property
-    def lost(self) -> bool:
-        """Whether the counter has made no sense for too long."""
-        return self._doubts >= DOUBTS
-
     def _limit(self, bound: int, latest: int | None) -> int:
-        """Return the highest count that a frame can have; latest is that if it is known."""
+        """Return the highest count that a frame can have: `latest`, or by elapsed time."""
         if latest is not None:
             return latest
         return self._trusted + (bound - self._trusted_bound + SLACK) // PERIOD + 1
@@ -134,8 +135,8 @@ class SampleCounter:
         self._trusted_bound = bound
         self._doubts = 0
 
-    def _retrust(self, sequence: int, bound: int) -> bool:
-        """See whether the latest counter was the damaged one, for this follows the one before."""
+    def _skip_corrupted(self, sequence: int, bound: int) -> bool:
+        """Discard the latest counter if the new one follows the one before it."""
         before, count = self._before
         if before < 0 or self._doubts or (sequence - before) % COUNTER_MODULUS != 2:
             return False

@@ -1,62 +1,66 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Messages in the order of the stream, until the first of them can be stamped.
+Messages in the order of the stream, held until the first of them can be stamped.
 
-Samples are held until device time is known. What follows them in the stream is held with them,
-whether or not it needs a time: an accuracy message speaks of the navigation messages behind it,
-not of those before it, however the adapter cut the stream.
+Samples are held until device time is known. Messages behind them in the stream are held as well,
+even if they need no time: an accuracy message applies to the navigation messages behind it, not
+to those before it, wherever the adapter cuts the stream.
 """
 
 from typing import Any
 
 from bahrs_driver.clock.counter import CountedSequence
-from bahrs_driver.protocol.bahrs.messages import Inertial
 from bahrs_driver.protocol.framing import Frame
 
-LATE_KINDS = 2          # messages of all kinds for each sample that may be held
+MESSAGES_PER_SAMPLE = 2     # messages of all types that may be held
 
 
 class Held:
-    """A message on its way to a stamp."""
+    """A message before it has a stamp."""
 
-    __slots__ = ('bound', 'count', 'device', 'early', 'frame', 'message', 'near', 'timed', 'unfed')
+    __slots__ = ('bound', 'count', 'device', 'frame', 'message', 'near', 'timed', 'unfed',
+                 'without_sample')
 
     def __init__(self, message: Any, frame: Frame, bound: int) -> None:
+        """Hold a message; bound is the latest raw time at which it was sent."""
         self.message = message
         self.frame = frame
         self.bound = bound
-        self.timed = False                          # whether it has a time
-        self.count: int | None = None               # of the sample that it is
+        self.timed = False                          # whether it has a time of its own
+        self.count: int | None = None               # of a sample
         self.near: CountedSequence | None = None    # the sample before a navigation message
-        self.early = False                          # that one was not received
-        self.device: int | None = None              # the device time that it carries, in ns
-        self.unfed = False                          # a sample that the tracker did not get yet
+        self.without_sample = False                 # that sample was not received
+        self.device: int | None = None              # the device time in the message, in ns
+        self.unfed = False                          # a sample that is missing in the estimate
 
 
 class HeldMessages:
-    """A queue with a limit on how much of it may wait."""
+    """A bounded queue of held messages."""
 
-    def __init__(self, most_samples: int) -> None:
+    def __init__(self, sample: type, most_samples: int) -> None:
+        """Limit the held messages of the type `sample`, and all messages to twice as many."""
+        self._sample = sample
         self._most_samples = most_samples
         self.items: list[Held] = []
 
     def __len__(self) -> int:
-        """Return how many messages are held."""
+        """Return the count of held messages."""
         return len(self.items)
 
     def take_all(self) -> list[Held]:
-        """Return all messages in order, and hold none of them any more."""
+        """Remove and return all messages, in order."""
         items, self.items = self.items, []
         return items
 
     @property
     def timed(self) -> bool:
-        """Whether a message that is about a time is among them."""
+        """Whether a message with a time of its own is held."""
         return any(item.timed for item in self.items)
 
     @property
     def full(self) -> bool:
-        """Whether more are held than may wait."""
-        samples = sum(type(item.message) is Inertial for item in self.items)
-        return samples > self._most_samples or len(self.items) > LATE_KINDS * self._most_samples
+        """Whether a limit is exceeded."""
+        samples = sum(type(item.message) is self._sample for item in self.items)
+        return samples > self._most_samples or \
+            len(self.items) > MESSAGES_PER_SAMPLE * self._most_samples

@@ -1,8 +1,8 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a clock takes and gives, whatever it makes of it."""
+"""The interface of a clock, and the values that it takes and returns."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
@@ -10,14 +10,14 @@ from bahrs_driver.protocol.framing import Frame
 
 
 class Instant(NamedTuple):
-    """One moment on the host's two clocks, in ns."""
+    """One instant on both clocks of the host, in ns."""
 
-    raw_ns: int         # CLOCK_MONOTONIC_RAW: nobody sets or slews it
+    raw_ns: int         # CLOCK_MONOTONIC_RAW: never set or slewed
     ros_ns: int         # CLOCK_REALTIME, which is ROS time here
 
 
 class Stamped(NamedTuple):
-    """A message, the frame it came in, and its time in ns since the epoch."""
+    """A message, its frame, and its time in ns since the epoch."""
 
     message: Any
     frame: Frame
@@ -26,52 +26,62 @@ class Stamped(NamedTuple):
 
 @dataclass(frozen=True)
 class TimeState:
-    """How stamps are made at present, for people to look at. Counts are since the start."""
+    """The state of a clock, for diagnostics. Counts are since the start."""
 
-    source: str                         # what was asked for
-    in_use: str                         # what is in use
+    source: str                         # configured
+    in_use: str                         # at present
     label: str = 'not seen yet'         # the sample that time messages name
     settled: bool = False
-    held: int = 0                       # samples that wait for a time
-    offset_ns: int | None = None        # ROS time less device time
-    skew_ppm: float = 0.0               # by how much device time runs slower than the host's
-    spread_us: float = 0.0              # of the least delays
+    held: int = 0                       # samples that wait for a stamp
+    offset_ns: int | None = None        # ROS time minus device time
+    skew_ppm: float = 0.0               # how much slower the device's clock is than the host's
+    spread_us: float = 0.0              # of the smallest delays
     period_us: float | None = None
     epochs: int = 0
-    rejected_samples: int = 0           # too late, or too early without a witness
+    rejected_samples: int = 0           # too late, or too early without a second witness
     rejected_time_messages: int = 0
     rejected_counters: int = 0
     arrival_stamps: int = 0             # samples stamped without device time
-    dropped: int = 0                    # samples whose time cannot be
+    dropped: int = 0                    # samples with an impossible time
     host_steps: int = 0
     last_host_step_s: float = 0.0
     pulses: int = 0
     pulses_spurious: int = 0
     pulses_missing: int = 0
-    pulse_delay_us: float | None = None     # what pulses say the least delay is
-    median_chunk: int = 0               # bytes a read
+    pulse_delay_us: float | None = None     # smallest delay, as measured by pulses
+    median_chunk: int = 0               # bytes per read
 
 
 class Clock(Protocol):
-    """Gives messages their time. Called by one thread."""
+    """Stamps messages. One thread uses it, except for `pulse_reference`."""
 
     def begin(self, byte_time: int) -> None:
-        """Take note that another stream begins, and of the ns that a byte takes on its line."""
+        """Begin another stream, on a line that transmits a byte in byte_time ns."""
 
-    def read(self, now: Instant, received: int) -> None:
-        """Take the moment of a read, and how many bytes of the stream there are with it."""
+    def observe_read(self, now: Instant, received: int) -> None:
+        """Record the instant of a read, and the bytes of the stream received by then."""
 
     def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
-        """Take the messages which that read completed, and return those whose time is known."""
+        """Add the messages that the read completed; return all whose time is known."""
 
     def end(self) -> list[Stamped]:
-        """Take note that the stream has ended, and return what still waited for its time."""
+        """End the stream; return the messages that still waited for a stamp."""
 
     def pulse_reference(self, ros_ns: int) -> None:
-        """Take the ROS time of a sync pulse from who knows it. May be called from any thread."""
+        """Add the ROS time of an external sync pulse. Any thread may call it."""
 
     def take_notices(self) -> list[str]:
-        """Return what the user should be told since the last call, a sentence each."""
+        """Return the sentences for the user since the last call."""
 
     def state(self) -> TimeState:
-        """Return how stamps are made at present."""
+        """Return the present state."""
+
+    def smoothing(self) -> 'Smoothing | None':
+        """Return clocks for two passes over a recording, or None if one pass is as good."""
+
+
+class Smoothing(NamedTuple):
+    """Two passes over a recording: stamps of the second use the reads of all of it."""
+
+    first_pass: Clock
+    second_pass: Callable[[], Clock]        # to call after the first pass

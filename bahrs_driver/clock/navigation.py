@@ -1,12 +1,12 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Which inertial sample a navigation message is of the same time as.
+The sample that a navigation message was computed from.
 
-`inertial - 2 * navigation` (modulo 256) is constant for as long as the device runs: 0, as both
-counters begin at 0. Each pair of neighbours gives it, but one of a pair may be lost. At first the
-most frequent value of the last few pairs counts, where 0 has two votes in advance; once five in
-a row have agreed, only another five in a row change it.
+`sample - 2 * navigation` of the sequence counters (modulo 256) is constant for as long as the
+device runs: 0, as both counters start at 0. Each pair of neighbours in the stream gives it, but
+one of a pair may be lost. At first the most frequent value of the last few pairs counts, where 0
+starts with two votes; once five in a row have agreed, only another five in a row change it.
 """
 
 from collections import deque
@@ -14,22 +14,22 @@ from collections import deque
 from bahrs_driver.clock.counter import CountedSequence
 from bahrs_driver.units import COUNTER_MODULUS
 
-PER_NAVIGATION = 2
+PER_NAVIGATION = 2              # samples
 WITNESSES = 5
-PRIOR = 2               # pairs that 0 is worth at first
-NEARBY = 4 * PER_NAVIGATION     # samples that may be lost before it is certain
+PRIOR = 2                       # votes for 0 at the start
+NEARBY = 4 * PER_NAVIGATION     # samples that may be lost before the difference is certain
 
 
 class NavigationCounter:
-    """Finds the inertial sample that goes with a navigation message."""
+    """Finds the sample of a navigation message."""
 
     def __init__(self) -> None:
         self._difference, self._certain = 0, False
         self._recent: deque[int] = deque([0] * PRIOR, maxlen=WITNESSES)
 
-    def pair(self, navigation: int, inertial: int) -> None:
-        """Take the counter of a navigation message and of the latest inertial one."""
-        self._recent.append((inertial - PER_NAVIGATION * navigation) % COUNTER_MODULUS)
+    def pair(self, navigation: int, sample: int) -> None:
+        """Add the counters of a navigation message and of the latest sample."""
+        self._recent.append((sample - PER_NAVIGATION * navigation) % COUNTER_MODULUS)
         frequent = max(self._recent, key=self._recent.count)
         unanimous = self._recent.count(frequent) == WITNESSES
         if unanimous or not self._certain:
@@ -38,9 +38,9 @@ class NavigationCounter:
 
     def count(self, navigation: int, near: CountedSequence) -> int | None:
         """
-        Return the count of the inertial sample of a navigation message, None if unknown.
+        Return the count of the sample of a navigation message, None if it is not known.
 
-        near is the inertial sample that came last before that message.
+        near is the latest sample before that message.
         """
         found = near.nearest(PER_NAVIGATION * navigation + self._difference)
         return found if self._certain or abs(found - near.count) <= NEARBY else None

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sentences for the user about what happened to a clock, kept until the node logs them."""
+"""Notices of a clock for the user, kept until the node logs them."""
 
 from collections import deque
 
@@ -14,11 +14,11 @@ class Notices:
         self._sentences: deque[str] = deque(maxlen=KEPT)
 
     def add(self, sentence: str) -> None:
-        """Keep a sentence."""
+        """Add a sentence."""
         self._sentences.append(sentence)
 
     def take(self) -> list[str]:
-        """Return what was added since the last call."""
+        """Return the sentences added since the last call."""
         sentences = list(self._sentences)
         self._sentences.clear()
         return sentences

@@ -1,237 +1,254 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Every stamp of a BAHRS: where the rooms of this package come together.
+The clock of a device that streams samples and reports device time: it combines this package.
 
-At each read all messages are looked at first, so that every bound is in the estimate before the
-first stamp is made. A sample then gets its stamp if the device's time is known, and more than a
-few samples have shown when they came. Until then samples are held, 60 of them at most: that is
-what comes until the third time message. If it takes longer, or without samples, they get that of
-their arrival. Messages leave in the order of the stream, also those that need no time: what
-follows a sample that is held is held with it.
+The device numbers its samples with a uint8 counter, and time messages tie some of them to device
+time. `device_time` turns counters into device time, an estimate turns device time into host time,
+and `stamper` turns host time into stamps.
 
-A stream, or what comes after a silence, seldom begins with an inertial message. What comes before
-the first one is looked at together with it, as if the sample before that had just come: it was
-sent, but not received.
+At each read, all messages are examined first, so that every bound is part of the estimate before
+the first stamp is made. A sample is stamped if its device time is known and more than the first
+few samples support the estimate. Until then samples are held, 60 at most: as many as arrive until
+the third time message. If it takes longer, or if there are no samples, stamps are arrivals.
+Messages leave in the order of the stream, even those that need no time: messages behind a held
+sample are held with it.
+
+A stream, or its continuation after a silence, seldom begins with a sample. Messages before the
+first sample wait for it, and are then examined as if the sample before it had just arrived: that
+one was sent, but not received.
 """
 
-from collections import deque
 from collections.abc import Callable, Iterable
 from functools import partial
-from statistics import median_low
 from typing import Any
 
-from bahrs_driver.clock.bounds import ByteBounds
 from bahrs_driver.clock.counter import SLACK
 from bahrs_driver.clock.device_time import DeviceTime, Verdict
+from bahrs_driver.clock.estimation.estimate import Estimate
+from bahrs_driver.clock.estimation.smoother_input import SmootherInput
 from bahrs_driver.clock.estimation.tracker import Tracker
 from bahrs_driver.clock.held import Held, HeldMessages
-from bahrs_driver.clock.host import HostClocks, step_sentence
-from bahrs_driver.clock.interface import Instant, Stamped, TimeState
+from bahrs_driver.clock.interface import Instant, Smoothing, Stamped, TimeState
 from bahrs_driver.clock.notices import Notices
 from bahrs_driver.clock.options import ClockOptions
-from bahrs_driver.clock.slewer import Output
+from bahrs_driver.clock.reads import Reads
+from bahrs_driver.clock.slewer import StampSlewer
 from bahrs_driver.clock.stamper import Stamper
 from bahrs_driver.clock.sync_pulses import SyncPulses
-from bahrs_driver.protocol.bahrs.messages import (
-    BahrsMessage, Inertial, InertialTime, Navigation, NavigationTime, SoftwareVersion,
-    SyncPulseTime,
-)
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.protocol.message_roles import MessageRoles
 from bahrs_driver.units import NS_PER_S, NS_PER_US
 
-SETTLING = 2 * NS_PER_S             # after which an epoch is the rule, and its end worth a word
-CHUNKS = 99             # reads whose size is remembered
+SETTLING = 2 * NS_PER_S     # the end of a shorter epoch is not reported
 
 
 class SampleClock:
-    """Puts device time on ROS time."""
+    """Stamps messages by device time; implements `Clock`."""
 
-    def __init__(self, options: ClockOptions = ClockOptions(),
-                 tracker: Tracker | None = None) -> None:
-        self._options = options
+    def __init__(self, roles: MessageRoles, options: ClockOptions = ClockOptions(),
+                 estimate: Estimate | None = None) -> None:
+        """Stamp the messages of a device by an estimate that is new: by default a live one."""
+        self._roles, self._options = roles, options
         self._device = DeviceTime(options.label)
-        self._tracker = tracker or Tracker()
-        self._host = HostClocks()
-        self._output = Output(self._host, options.fixed_latency)
-        self._pulses = SyncPulses(options.source == 'sync_pulse', options.pulse_period,
-                                  options.pulse_times_told)
-        self._stamper = Stamper(self._device, self._tracker, self._output, self._pulses)
-        self._now = Instant(0, 0)
-        self._received = 0
-        self._held = HeldMessages(options.most_held)
-        self._early: list[Held] = []    # of them, what needs the count of the next sample
-        self._stamped: list[Stamped] = []
-        self._patient = True            # whether samples may still be held
-        self._epochs = self._epoch_began = 0
+        self._estimate = estimate or Tracker()
         self._notices = Notices()
-        self._chunks: deque[int] = deque(maxlen=CHUNKS)
+        self._reads = Reads(self._notices)
+        self._slewer = StampSlewer(self._reads.host, options.fixed_latency)
+        self._pulses = SyncPulses(options.source == 'sync_pulse', options.pulse_period,
+                                  options.external_pulse_times)
+        self._stamper = Stamper(roles, self._device, self._estimate, self._slewer, self._pulses)
+        self._held = HeldMessages(roles.sample, options.most_held)
+        self._early: list[Held] = []    # held messages that wait for the count of a sample
+        self._stamped: list[Stamped] = []
+        self._may_hold = True
+        self._epochs = self._epoch_began = 0
         self._handlers: dict[type, Callable[[Held], None]] = {
-            Inertial: self._inertial, Navigation: self._navigation,
-            InertialTime: partial(self._time, self._device.inertial_time),
-            NavigationTime: partial(self._time, self._device.navigation_time),
-            SyncPulseTime: self._pulse}
-        self.begin(0)
-
-    def with_tracker(self, tracker: Tracker) -> 'SampleClock':
-        """Return a new clock that works as this one, by another tracker."""
-        return SampleClock(self._options, tracker)
+            roles.sample: self._handle_sample, roles.navigation: self._handle_navigation,
+            roles.sample_time: partial(self._handle_time, self._device.sample_referenced),
+            roles.navigation_time: partial(self._handle_time, self._device.navigation_referenced),
+            roles.sync_pulse: self._handle_pulse}
 
     def begin(self, byte_time: int) -> None:
-        """Begin another stream, on whose line a byte takes byte_time ns."""
-        self._bounds = ByteBounds(byte_time)
+        """Begin another stream, on a line that transmits a byte in byte_time ns."""
+        self._reads.begin(byte_time)
         self._held.take_all()
         self._early.clear()
 
-    def read(self, now: Instant, received: int) -> None:
-        """Take the moment of a read, and how many bytes of the stream there are with it."""
-        self._chunks.append(received - self._received)
-        self._now, self._received = now, received
-        self._bounds.read(now.raw_ns, received)
-        step = self._host.read(now)
-        if step:
-            self._notices.add(step_sentence(step))
-        if step < 0:
+    def observe_read(self, now: Instant, received: int) -> None:
+        """Record the instant of a read, and the bytes of the stream received by then."""
+        if self._reads.observe(now, received):
             self._stamper.allow_backward()
 
-    def pulse_reference(self, ros_ns: int) -> None:
-        """Take the ROS time of a pulse from who knows it. May be called from any thread."""
-        self._pulses.reference.tell(ros_ns)
-
     def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
-        """Stamp the messages that the read completed; return those whose time is known."""
+        """Add the messages that the read completed; return all whose time is known."""
+        bound = self._reads.bounds.bound
         for message, frame in messages:
-            self._take(Held(message, frame, self._bounds.bound(frame.offset)))
+            self._add(Held(message, frame, bound(frame.offset)))
         self._update_pulses()
         self._release()
-        stamped, self._stamped = self._stamped, []
-        return stamped
+        return self._take_stamped()
 
     def end(self) -> list[Stamped]:
-        """End the stream, and return the messages that still waited for a stamp."""
+        """End the stream; return the messages that still waited for a stamp."""
         self._stop_holding()
-        stamped, self._stamped = self._stamped, []
-        return stamped
+        return self._take_stamped()
+
+    def pulse_reference(self, ros_ns: int) -> None:
+        """Add the ROS time of an external sync pulse. Any thread may call it."""
+        self._pulses.reference.add(ros_ns)
 
     def take_notices(self) -> list[str]:
-        """Return the notices for the user since the last call, a sentence each."""
+        """Return the sentences for the user since the last call."""
         return self._notices.take()
 
-    def _take(self, item: Held) -> None:
-        """Look at a message, and put it behind those that are held."""
+    def smoothing(self) -> Smoothing:
+        """Return clocks for two passes over a recording."""
+        smoother_input = SmootherInput()
+        return Smoothing(
+            SampleClock(self._roles, self._options, smoother_input),
+            lambda: SampleClock(self._roles, self._options, smoother_input.smoothed()))
+
+    def state(self) -> TimeState:
+        """Return the present state."""
+        device, estimate, pulses = self._device, self._estimate, self._pulses
+        host, delay, period = self._reads.host, pulses.delay.value, device.period
+        known, offset = device.known and estimate.started, None
+        if known:
+            time = device.time_of(device.counter.count)
+            offset = self._slewer.to_ros_time(self._stamper.host_time(time)[0]) - time
+        in_use = 'sync_pulse' if pulses.active_tracker else 'device'
+        return TimeState(
+            source=self._options.source, in_use=in_use if known else 'arrival',
+            label=device.convention.label, settled=known, held=len(self._held), offset_ns=offset,
+            skew_ppm=estimate.skew * 1e6, spread_us=estimate.spread / NS_PER_US,
+            period_us=period and period / NS_PER_US, epochs=self._epochs,
+            rejected_samples=estimate.rejected, rejected_time_messages=device.rejected,
+            rejected_counters=device.counter.rejected, arrival_stamps=self._stamper.arrivals,
+            dropped=self._stamper.dropped, host_steps=host.steps,
+            last_host_step_s=host.last_step_ns / NS_PER_S, pulses=pulses.tracker.accepted,
+            pulses_spurious=pulses.tracker.spurious, pulses_missing=pulses.tracker.missing,
+            pulse_delay_us=None if delay is None else delay / NS_PER_US,
+            median_chunk=self._reads.median_chunk)
+
+    # Examination of each message, before any is stamped.
+
+    def _add(self, item: Held) -> None:
+        """Examine a message, and hold it behind the others."""
         kind, device = type(item.message), self._device
         handler = self._handlers.get(kind)
         if handler is None or not getattr(item.message, 'valid', True):
-            self._interrupt(item.message)
+            self._handle_interruption(kind)
         else:
             item.timed = True
-            if not device.adrift and device.counter.silence_before(item.bound):
+            if not device.awaits_sample and device.counter.silence_before(item.bound):
                 self._stop_holding()
                 self._stamper.lose_count()
-                device.cut_adrift()
-            if device.adrift and kind is not Inertial:
+                device.await_sample()
+            if device.awaits_sample and kind is not self._roles.sample:
                 self._early.append(item)
             else:
                 handler(item)
         self._held.items.append(item)
 
-    def _interrupt(self, message: Any) -> None:
-        """Stop holding if no time message can tell any more of what is held."""
-        if isinstance(message, SoftwareVersion):        # sent once, right after power-on
+    def _handle_interruption(self, kind: type) -> None:
+        """Stop holding if no later time message can apply to the held samples."""
+        if kind is self._roles.power_on:
             self._stop_holding()
             self._stamper.lose_count()
-            self._device.forget()
-        elif isinstance(message, BahrsMessage) and message.SERVICE:
-            self._stop_holding()        # a device that answers has ceased to stream
+            self._device.discard()
+        elif kind in self._roles.service:
+            self._stop_holding()
 
-    def _inertial(self, item: Held) -> None:
+    def _handle_sample(self, item: Held) -> None:
         device, counter, bound = self._device, self._device.counter, item.bound
-        sequence, trusted = item.message.sequence, True
-        if device.adrift:
-            self._end_drift(sequence, bound)
-        if not counter.follow(sequence, bound):
+        sequence, plausible = item.message.sequence, True
+        if device.awaits_sample:
+            self._resume_count(sequence, bound)
+        if not counter.advance(sequence, bound):
             latest = self._latest_count(bound)
-            unclear = counter.may_have_turned(sequence, latest) or counter.far(
+            unclear = counter.may_have_wrapped(sequence, latest) or counter.is_far(
                 sequence, bound, latest)
-            trusted = unclear or counter.place(sequence, bound, latest)
+            plausible = unclear or counter.add(sequence, bound, latest)
             if unclear or counter.lost:
                 self._stop_holding()
-                device.lose(sequence, bound)
+                device.jump_count(sequence, bound)
                 self._stamper.lose_count()
         item.count = counter.count
-        if trusted and device.known:
-            self._tracker.feed(device.time_of(counter.count), bound)
-        item.unfed = trusted and not device.known
+        if plausible and device.known:
+            self._estimate.feed(device.time_of(counter.count), bound)
+        item.unfed = plausible and not device.known
 
-    def _end_drift(self, sequence: int, bound: int) -> None:
-        """Take up counting with the next sample, and look at what came before it."""
-        self._device.find(sequence, bound)
-        self._patient = True
+    def _resume_count(self, sequence: int, bound: int) -> None:
+        """Count on from the next sample, and examine the messages before it."""
+        self._device.resume_count(sequence, bound)
+        self._may_hold = True
         early, self._early = self._early, []
         for item in early:
-            item.early = True
+            item.without_sample = True
             self._handlers[type(item.message)](item)
 
-    def _navigation(self, item: Held) -> None:
+    def _handle_navigation(self, item: Held) -> None:
         self._device.pair(item.message.sequence)
         item.near = self._device.counter.latest
 
-    def _time(self, count_of: Callable[[int], int | None], item: Held) -> None:
+    def _handle_time(self, referenced: Callable[[int], int | None], item: Held) -> None:
         message, was_known = item.message, self._device.known
         item.device = time = message.device_time_us * NS_PER_US
-        count = count_of(message.reference_sequence)
+        count = referenced(message.reference_sequence)
         if count is None:
             return
         lateness = self._lateness(time, item.bound)
         if was_known and not self._device.agrees(count, time):
-            self._give(True)            # what came before it is known, whatever it means
-        verdict = self._device.time_message(count, time, lateness)
-        if verdict is Verdict.NEW_EPOCH:
+            self._stamp_held(True)      # earlier messages keep the present timeline
+        if self._device.add_time(count, time, lateness) is Verdict.NEW_EPOCH:
             self._begin_epoch()
         if self._device.known and not was_known:
             self._feed_held()
 
-    def _pulse(self, item: Held) -> None:
-        device: int = item.message.device_time_us * NS_PER_US
-        item.device = device
-        self._pulses.take(device)
+    def _handle_pulse(self, item: Held) -> None:
+        item.device = item.message.device_time_us * NS_PER_US
+        self._pulses.add(item.device)
 
     def _latest_count(self, bound: int) -> int | None:
         """Return the highest count that a sample with this bound can have, if known."""
-        device, tracker = self._device, self._tracker
-        if not device.anchored or not tracker.started:
+        device, estimate = self._device, self._estimate
+        if not device.anchored or not estimate.started:
             return None
         time = device.time_of(device.counter.count)
-        slack = SLACK if tracker.rough else 0
-        return device.count_at(bound + slack - tracker.host_time(time) + time)
+        slack = SLACK if estimate.rough else 0
+        return device.count_at(bound + slack - estimate.host_time(time) + time)
 
     def _lateness(self, time: int, bound: int) -> int | None:
-        """Return by how much a message was later than believed, if a sample has this time."""
-        tracker = self._tracker
-        return bound - tracker.host_time(time) if tracker.started else None
+        """Return how much later than predicted a message arrived, if its sample has this time."""
+        estimate = self._estimate
+        return bound - estimate.host_time(time) if estimate.started else None
 
     def _begin_epoch(self) -> None:
         self._epochs += 1
-        began, self._epoch_began = self._epoch_began, self._now.raw_ns
-        self._tracker.restart()
+        began, self._epoch_began = self._epoch_began, self._reads.now.raw_ns
+        self._estimate.restart()
         self._pulses.restart()
-        self._output.restart()
-        # What comes first may have waited in the system while nobody read, and prove nothing.
+        self._slewer.restart()
+        # The first messages may be old ones that the system buffered: they prove no restart.
         if self._epochs > 1 and self._epoch_began - began > SETTLING:
             self._notices.add("the device's clock has jumped: was the device restarted?")
 
     def _feed_held(self) -> None:
-        self._patient = True
+        """Add the held samples to the estimate, now that their device times are known."""
+        self._may_hold = True
         for item in self._held.items:
             if item.unfed and item.count is not None:
-                self._tracker.feed(self._device.time_of(item.count), item.bound)
+                self._estimate.feed(self._device.time_of(item.count), item.bound)
                 item.unfed = False
 
+    # Stamps, once all messages of a read were examined.
+
     def _stop_holding(self) -> None:
-        """Release what is held: later messages will not help to time it."""
+        """Stamp the held messages: later messages give no better time for them."""
         self._stop_doubting()
-        self._give(self._device.known)
-        self._patient = True
+        self._stamp_held(self._device.known)
+        self._may_hold = True
 
     def _stop_doubting(self) -> None:
         if len(self._held) and not self._device.known:
@@ -241,57 +258,37 @@ class SampleClock:
                 self._feed_held()
 
     def _release(self) -> None:
-        """Stamp what is held, unless it must be held on."""
-        if not self._ready and self._patient and self._held.timed:
+        """Stamp the held messages, unless they can wait for a better time."""
+        if not self._ready and self._may_hold and self._held.timed:
             if not self._held.full:
                 return
             self._stop_doubting()
-            self._patient = self._ready
-        self._give(self._device.known)
+            self._may_hold = self._ready
+        self._stamp_held(self._device.known)
 
     @property
     def _ready(self) -> bool:
-        return self._device.known and self._tracker.ready
+        return self._device.known and self._estimate.ready
 
-    def _give(self, known: bool) -> None:
-        """Stamp all that is held: by device time if it is known, or else by arrival."""
-        known = known and self._tracker.started
+    def _stamp_held(self, known: bool) -> None:
+        """Stamp all held messages: by device time if it is known, else by arrival."""
+        known = known and self._estimate.started
         self._early.clear()
         items = self._held.take_all()
         if not known:
-            self._stamper.take_arrivals(items)
+            self._stamper.add_arrivals(items)
         for item in items:
-            stamp = self._stamper.stamp(item, known, self._now)
+            stamp = self._stamper.stamp(item, known, self._reads.now)
             if stamp is not None:
                 self._stamped.append(Stamped(item.message, item.frame, stamp))
 
-    def _update_pulses(self) -> None:
-        device, tracker = self._device, self._tracker
-        if device.known and tracker.started and (changed := self._pulses.update(
-                device.time_of(device.counter.count), tracker, self._host)):
-            self._output.hurry()
-            self._notices.add(changed)
+    def _take_stamped(self) -> list[Stamped]:
+        stamped, self._stamped = self._stamped, []
+        return stamped
 
-    def state(self) -> TimeState:
-        """Return how stamps are made at present."""
-        device, tracker, pulses = self._device, self._tracker, self._pulses
-        known, period = device.known and tracker.started, device.period
-        offset = None
-        if known:
-            time = device.time_of(device.counter.count)
-            offset = self._output.plain(self._stamper.estimate(time)[0]) - time
-        in_use = 'sync_pulse' if known and pulses.line else 'device' if known else 'arrival'
-        return TimeState(
-            source=self._options.source, in_use=in_use, label=device.labels.reading,
-            settled=known, held=len(self._held), offset_ns=offset,
-            skew_ppm=tracker.skew * 1e6, spread_us=tracker.spread / NS_PER_US,
-            period_us=period and period / NS_PER_US, epochs=self._epochs,
-            rejected_samples=tracker.rejected, rejected_time_messages=device.rejected,
-            rejected_counters=device.counter.rejected, arrival_stamps=self._stamper.arrivals,
-            dropped=self._stamper.dropped, host_steps=self._host.steps,
-            last_host_step_s=self._host.last_step_ns / NS_PER_S,
-            pulses=pulses.tracker.accepted, pulses_spurious=pulses.tracker.spurious,
-            pulses_missing=pulses.tracker.missing,
-            pulse_delay_us=None if pulses.delay.value is None
-            else pulses.delay.value / NS_PER_US,
-            median_chunk=median_low(self._chunks) if self._chunks else 0)
+    def _update_pulses(self) -> None:
+        device, estimate = self._device, self._estimate
+        if device.known and estimate.started and (notice := self._pulses.update(
+                device.time_of(device.counter.count), estimate, self._reads.host)):
+            self._slewer.allow_fast_slew()
+            self._notices.add(notice)

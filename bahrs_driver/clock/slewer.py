@@ -1,28 +1,28 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-From estimates to stamps that people can use: smooth, in order, and never from the future.
+From estimated times to stamps: smooth, increasing, and never in the future.
 
-An estimate may move when more is known. Stamps follow it slowly, so that the time between two
-samples stays what it was; fast only at the start. A stamp is never later than what the bytes
-prove, and never as early as the one before. What is about a time between samples, such as a
-pulse, goes on the same line and is in order with its own kind.
+An estimate may jump when more samples are known. Stamps follow it at a limited rate, so that the
+time between two samples stays right; fast only at the start. A stamp is never later than the
+bound that the bytes prove, and always later than the one before. A message about a time between
+samples, such as a pulse, uses the same slew, and is in order with messages of its own type.
 """
 
 from bahrs_driver.clock.host import HostClocks
 from bahrs_driver.clock.interface import Instant
 from bahrs_driver.units import NS_PER_MS, NS_PER_S
 
-SLEW, FIRST_SLEW = 500e-6, 0.1
+SLEW, FIRST_SLEW = 500e-6, 0.1      # ns per ns
 FIRST_SPAN = 3 * NS_PER_S
-IMPOSSIBLE = NS_PER_MS              # after its own read
+IMPOSSIBLE = NS_PER_MS              # after the read that brought the sample
 
 
-class Output:
+class StampSlewer:
     """Makes stamps."""
 
     def __init__(self, host: HostClocks, fixed_latency: int) -> None:
-        """Take the host's clocks, and what to subtract from all stamps, in ns."""
+        """Subtract fixed_latency ns from each stamp."""
         self._host = host
         self._fixed_latency = fixed_latency
         self._last_ros = 0
@@ -30,51 +30,51 @@ class Output:
         self.restart()
 
     def restart(self) -> None:
-        """Another epoch begins: stamps may jump."""
+        """Begin another epoch, in which stamps may jump."""
         self._lag = 0.0                     # of the stamps behind the estimate
         self._device = self._target = 0
         self._begin: int | None = None
 
-    def hurry(self) -> None:
-        """Let stamps follow fast for a while, as at the start."""
+    def allow_fast_slew(self) -> None:
+        """Slew at the fast rate for a while, as at the start."""
         self._begin = self._device
 
     def allow_backward(self) -> None:
-        """Let the next stamp be earlier than the last: the host was set back."""
+        """Allow that the next stamp is earlier than the last: the host's clock was set back."""
         self._last_ros = 0
         self._last_of.clear()
 
     def stamp(self, device: int, target: int, skew: float, bound: int, now: Instant) -> int | None:
         """
-        Return the stamp of the next sample, or None if its time cannot be.
+        Return the stamp of the next sample, or None if its time is impossible.
 
-        device is its device time, target the host's raw time estimated for it, bound the raw time
-        that it was not sent after, now the read that brought it.
+        device is its device time, target the raw time estimated for it, bound the latest raw time
+        at which it was sent, now the read that brought it.
         """
         if target > now.raw_ns + IMPOSSIBLE:
             return None
-        return self.arrival(min(target + self._follow(device, target, skew), bound))
+        return self.stamp_arrival(min(target + self._follow(device, target, skew), bound))
 
-    def arrival(self, raw: int) -> int:
+    def stamp_arrival(self, raw: int) -> int:
         """Return the stamp of a sample of which only a raw time is known."""
-        self._last_ros = max(self.plain(raw), self._last_ros + 1)
+        self._last_ros = max(self.to_ros_time(raw), self._last_ros + 1)
         return self._last_ros
 
-    def between(self, target: int, bound: int) -> int:
-        """Return the stamp of an estimated raw time, on the line that samples are on."""
-        return self.plain(min(target + round(self._lag), bound))
+    def stamp_between(self, target: int, bound: int) -> int:
+        """Return the stamp of an estimated raw time between samples."""
+        return self.to_ros_time(min(target + round(self._lag), bound))
 
     def in_order(self, kind: type, stamp: int) -> int:
-        """Return a stamp, moved behind that of the latest message of its kind if need be."""
+        """Return a stamp, moved behind that of the latest message of its type if need be."""
         self._last_of[kind] = max(stamp, self._last_of.get(kind, 0) + 1)
         return self._last_of[kind]
 
-    def plain(self, raw: int) -> int:
-        """Return the ROS time of a raw time, whatever came before."""
-        return self._host.ros(raw) - self._fixed_latency
+    def to_ros_time(self, raw: int) -> int:
+        """Convert a raw time to ROS time, minus the fixed latency."""
+        return self._host.to_ros_time(raw) - self._fixed_latency
 
     def _follow(self, device: int, target: int, skew: float) -> int:
-        """Return what to add to the estimate so that stamps do not jump with it."""
+        """Return the difference of the slewed time to the estimate."""
         if self._begin is None:
             self._begin = device
             self._device, self._target = device, target

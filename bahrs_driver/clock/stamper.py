@@ -1,12 +1,12 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The stamp of each message, once it is its turn.
+The stamp of each message, in the order of the stream.
 
-A sample has the stamp of its device time. A navigation message has the stamp of its inertial
-sample, and a time message that of the sample that it is about, so that what is of one time is
-under one stamp. A pulse has a time of its own, however near a sample it was. Without device time
-a sample has the stamp of its arrival, as even as its count and the nominal period make it.
+The stamp of a sample is its device time. A navigation message has the stamp of its sample, and a
+time message that of the sample to which it gives a time, so that everything about one time has one
+stamp. A pulse has a time of its own, however near a sample it was. Without device time the stamp
+of a sample is its arrival, made even by its count and the nominal period.
 """
 
 from collections.abc import Iterable
@@ -14,21 +14,22 @@ from dataclasses import dataclass
 
 from bahrs_driver.clock.counter import PERIOD
 from bahrs_driver.clock.device_time import DeviceTime
+from bahrs_driver.clock.estimation.estimate import Estimate
 from bahrs_driver.clock.estimation.tracker import Tracker
 from bahrs_driver.clock.held import Held
 from bahrs_driver.clock.interface import Instant
-from bahrs_driver.clock.slewer import IMPOSSIBLE, Output
+from bahrs_driver.clock.slewer import IMPOSSIBLE, StampSlewer
 from bahrs_driver.clock.sync_pulses import SyncPulses
-from bahrs_driver.protocol.bahrs.messages import Inertial, SyncPulseTime
+from bahrs_driver.protocol.message_roles import MessageRoles
 from bahrs_driver.units import NS_PER_MS, NS_PER_S
 
-LONGEST_AGO = 10 * NS_PER_S         # the oldest time that a message may have
-SAME = NS_PER_MS        # device times that differ by less are of one sample
+MAX_AGE = 10 * NS_PER_S         # of the time in a message
+SAME_SAMPLE = NS_PER_MS         # device times that differ by less belong to one sample
 
 
 @dataclass(frozen=True, slots=True)
 class _Latest:
-    """The sample that was stamped last."""
+    """The latest sample with a stamp."""
 
     count: int | None
     device: int | None      # device time, if it was known
@@ -36,97 +37,103 @@ class _Latest:
 
 
 class Stamper:
-    """Stamps messages by device time, or by arrival if that is not known."""
+    """Stamps messages by device time, or by arrival if device time is not known."""
 
-    def __init__(self, device: DeviceTime, tracker: Tracker, output: Output,
-                 pulses: SyncPulses) -> None:
-        self.arrivals = 0               # inertial samples stamped without device time
-        self.dropped = 0                # samples whose time cannot be
-        self._device, self._tracker = device, tracker
-        self._output, self._pulses = output, pulses
+    def __init__(self, roles: MessageRoles, device: DeviceTime, estimate: Estimate,
+                 slewer: StampSlewer, pulses: SyncPulses) -> None:
+        """Stamp by these estimates."""
+        self.arrivals = 0               # samples stamped without device time
+        self.dropped = 0                # samples with an impossible time
+        self._roles = roles
+        self._device, self._estimate = device, estimate
+        self._slewer, self._pulses = slewer, pulses
         self._latest: _Latest | None = None
         self._by_count = Tracker()
 
     def lose_count(self) -> None:
-        """Forget how counts go with host time: they do not go on."""
+        """Discard how counts relate to host time: they were interrupted."""
         self._by_count.restart()
 
-    def take_arrivals(self, items: Iterable[Held]) -> None:
-        """Take samples that are going to be stamped without device time."""
+    def add_arrivals(self, items: Iterable[Held]) -> None:
+        """Add samples that are about to be stamped without device time."""
         for item in items:
             if item.count is not None:
                 self._by_count.feed(item.count * PERIOD, item.bound)
 
     def allow_backward(self) -> None:
-        """Let the next stamp be earlier than the last: the host was set back."""
-        self._output.allow_backward()
+        """Allow that the next stamp is earlier than the last: the host's clock was set back."""
+        self._slewer.allow_backward()
         self._latest = None
 
     def stamp(self, item: Held, known: bool, now: Instant) -> int | None:
         """
-        Return the stamp of the next message; None if its time cannot be.
+        Return the stamp of the next message, or None if its time is impossible.
 
-        known is whether device time is, now the latest read.
+        known is whether device time is known, now the latest read.
         """
         if not item.timed:
-            return self._output.plain(item.bound)
-        if item.device is not None:         # it is about a time
-            stamp = self._point(item, item.device, now) if known else None
+            return self._slewer.to_ros_time(item.bound)
+        if item.device is not None:
+            stamp = self._stamp_time(item, item.device, now) if known else None
         else:
-            stamp = self._sample(item, known, now)
+            stamp = self._stamp_sample(item, known, now)
             self.dropped += stamp is None
         kind = type(item.message)
-        return stamp if stamp is None or kind is Inertial else self._output.in_order(kind, stamp)
+        if stamp is None or kind is self._roles.sample:
+            return stamp
+        return self._slewer.in_order(kind, stamp)
 
-    def estimate(self, device: int) -> tuple[int, float]:
-        """Return the host's raw time for a device time, and the skew."""
-        line = self._pulses.line
-        if line:
-            return line.host_time(device), line.skew
-        delay = self._pulses.delay.value if self._pulses.in_charge else None
-        return self._tracker.host_time(device) - (delay or 0), self._tracker.skew
+    def host_time(self, device: int) -> tuple[int, float]:
+        """Return the raw time of a device time, and the skew."""
+        tracker = self._pulses.active_tracker
+        if tracker:
+            return tracker.host_time(device), tracker.skew
+        delay = self._pulses.delay.value if self._pulses.enabled else None
+        return self._estimate.host_time(device) - (delay or 0), self._estimate.skew
 
-    def _sample(self, item: Held, known: bool, now: Instant) -> int | None:
-        """Return the stamp of an inertial or navigation message."""
+    def _stamp_sample(self, item: Held, known: bool, now: Instant) -> int | None:
+        """Return the stamp of a sample or of a navigation message."""
         if not item.near:
-            return self._new_sample(item, item.count, known, now)
+            return self._stamp_count(item, item.count, known, now)
         before = item.near.count
         count = self._device.navigation.count(item.message.sequence, item.near)
-        if count is None or (count < before and not item.early):
-            count = before              # it follows its sample, or one before that
-        stamp = self._navigation(item, count, known, now)
-        return self._navigation(item, before, known, now) if stamp is None else stamp
+        if count is None or (count < before and not item.without_sample):
+            count = before              # a navigation message follows its sample
+        stamp = self._stamp_navigation(item, count, known, now)
+        return self._stamp_navigation(item, before, known, now) if stamp is None else stamp
 
-    def _navigation(self, item: Held, count: int, known: bool, now: Instant) -> int | None:
-        """Return the stamp of the sample with this count, which may have it already."""
+    def _stamp_navigation(self, item: Held, count: int, known: bool, now: Instant) -> int | None:
+        """Return the stamp of the sample with this count, which may have been stamped already."""
         if self._latest and self._latest.count == count:
             return self._latest.stamp
-        return self._new_sample(item, count, known, now)
+        return self._stamp_count(item, count, known, now)
 
-    def _new_sample(self, item: Held, count: int | None, known: bool, now: Instant) -> int | None:
+    def _stamp_count(self, item: Held, count: int | None, known: bool, now: Instant) -> int | None:
+        """Return the stamp of the next sample."""
         device = None
         if known and count is not None:
             device = self._device.time_of(count)
-            target, skew = self.estimate(device)
-            stamp = self._output.stamp(device, target, skew, item.bound, now)
+            target, skew = self.host_time(device)
+            stamp = self._slewer.stamp(device, target, skew, item.bound, now)
             if stamp is None:
                 return None
         else:
-            self.arrivals += type(item.message) is Inertial
+            self.arrivals += type(item.message) is self._roles.sample
             arrival = item.bound
             if count is not None and self._by_count.started:
                 arrival = min(arrival, self._by_count.host_time(count * PERIOD))
-            stamp = self._output.arrival(arrival)
+            stamp = self._slewer.stamp_arrival(arrival)
         self._latest = _Latest(count, device, stamp)
         return stamp
 
-    def _point(self, item: Held, device: int, now: Instant) -> int | None:
-        """Return the ROS time of any device time that can be of the present."""
+    def _stamp_time(self, item: Held, device: int, now: Instant) -> int | None:
+        """Return the ROS time of the device time in a message, unless it is far from now."""
         latest = self._latest
-        if latest and latest.device is not None and type(item.message) is not SyncPulseTime \
-                and abs(device - latest.device) < SAME:
+        if latest and latest.device is not None \
+                and type(item.message) is not self._roles.sync_pulse \
+                and abs(device - latest.device) < SAME_SAMPLE:
             return latest.stamp
-        raw, _ = self.estimate(device)
-        if -LONGEST_AGO < raw - now.raw_ns < IMPOSSIBLE:
-            return self._output.between(raw, item.bound)
+        raw, _ = self.host_time(device)
+        if -MAX_AGE < raw - now.raw_ns < IMPOSSIBLE:
+            return self._slewer.stamp_between(raw, item.bound)
         return None

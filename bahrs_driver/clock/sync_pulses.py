@@ -1,73 +1,78 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The pulses of one device: matched, tracked, and told of when they come and go."""
+"""The sync pulses of a device: matched to ROS time, tracked, and reported when they change."""
 
 from collections import deque
 
+from bahrs_driver.clock.estimation.estimate import Estimate
 from bahrs_driver.clock.estimation.pulses import (
     DelayEstimate, PENDING, PulseReference, PulseTracker)
-from bahrs_driver.clock.estimation.tracker import Tracker
 from bahrs_driver.clock.host import HostClocks
 from bahrs_driver.units import NS_PER_MS
 
-# What a pulse can say of the delay of the fastest samples. They are never early, and a pulse that
-# says so, or that they are very late, is not the one that it was taken for.
+# The delay of the fastest samples by a pulse. Samples are never early: a pulse with another delay
+# is not the one that it was matched with.
 EARLIEST, LATEST = -NS_PER_MS, 100 * NS_PER_MS
 
 
 class SyncPulses:
-    """Takes device times of pulses, and offers a line through them."""
+    """Matches the device times of pulses with ROS time, and offers an estimate by them."""
 
-    def __init__(self, in_charge: bool, period: int, told: bool) -> None:
-        """Take whether stamps are to follow pulses, their period in ns, and who tells of them."""
-        self.in_charge = in_charge
+    def __init__(self, enabled: bool, period: int, external_times: bool) -> None:
+        """
+        Start without a pulse.
+
+        enabled is whether stamps follow pulses, period that of the pulses in ns, external_times
+        whether their ROS times are reported rather than whole periods.
+        """
+        self.enabled = enabled
         self.tracker = PulseTracker(period)
-        self.reference = PulseReference(period, told)
+        self.reference = PulseReference(period, external_times)
         self.delay = DelayEstimate()
         self._pending: deque[int] = deque(maxlen=PENDING)
         self._settled = False
 
     @property
-    def line(self) -> PulseTracker | None:
-        """Return the tracker if stamps are to follow it now."""
-        return self.tracker if self.in_charge and self.tracker.settled else None
+    def active_tracker(self) -> PulseTracker | None:
+        """The tracker, if stamps follow it at present."""
+        return self.tracker if self.enabled and self.tracker.settled else None
 
     def restart(self) -> None:
-        """Begin anew with the device's clock; what the delay is stays known."""
+        """Begin another epoch of the device's clock; the delay stays known."""
         self.tracker.restart()
         self._pending.clear()
         self._settled = False
 
-    def take(self, device: int) -> None:
-        """Take the device time of a pulse."""
+    def add(self, device: int) -> None:
+        """Add the device time of a pulse."""
         if device not in self._pending:
             self._pending.append(device)
 
-    def update(self, device: int, passive: Tracker, host: HostClocks) -> str:
+    def update(self, device: int, passive: Estimate, host: HostClocks) -> str:
         """
-        Use the pulses that were taken; device is the present device time.
+        Match the pulses that were added; device is the present device time.
 
-        Return a sentence if stamps begin or cease to follow the pulses.
+        Return a notice if stamps begin or cease to follow the pulses, else an empty string.
         """
         for _ in range(len(self._pending)):
             pulse = self._pending.popleft()
             if not self._match(pulse, passive, host):
                 self._pending.append(pulse)
-        self.tracker.lost(device)
+        self.tracker.check_timeout(device)
         settled, self._settled = self._settled, self.tracker.settled
-        if settled == self._settled or not self.in_charge:
+        if settled == self._settled or not self.enabled:
             return ''
         return 'stamps follow the sync pulses' if self._settled else \
             'sync pulses are missing: stamps follow the arrival of samples'
 
-    def _match(self, pulse: int, passive: Tracker, host: HostClocks) -> bool:
-        """Find the host's time of a pulse and take it; return False if that is not known yet."""
+    def _match(self, pulse: int, passive: Estimate, host: HostClocks) -> bool:
+        """Match a pulse with its ROS time; return False if that is not known yet."""
         raw = passive.host_time(pulse)
-        about = host.ros(raw)
-        told = self.reference.find(about)
-        if told is None:
+        estimated = host.to_ros_time(raw)
+        reference = self.reference.find(estimated)
+        if reference is None:
             return False
-        true_raw = raw + told - about
+        true_raw = raw + reference - estimated
         if not EARLIEST < raw - true_raw < LATEST:
             self.tracker.spurious += 1
         elif self.tracker.feed(pulse, true_raw, passive.skew, passive.skew_deviation):

@@ -4,7 +4,7 @@
 Device time of samples between time messages.
 
 The latest time message is the anchor; the period is the slope over the time messages of the last
-five seconds, as long as it is within 3 % of the nominal one.
+five seconds, if it is within 3 % of the nominal period.
 """
 
 from collections import deque
@@ -12,7 +12,7 @@ from collections import deque
 from bahrs_driver.clock.counter import PERIOD
 from bahrs_driver.units import NS_PER_US
 
-HISTORY = 51                    # time messages, ten a second
+HISTORY = 51                    # time messages, ten per second
 PERIOD_TOLERANCE = 0.03
 JITTER = 200 * NS_PER_US        # of a time message
 
@@ -21,6 +21,7 @@ class Timeline:
     """Device time in ns by count."""
 
     def __init__(self, count: int, time: int) -> None:
+        """Begin with the device time of one sample."""
         self._history: deque[tuple[int, int]] = deque([(count, time)], maxlen=HISTORY)
         self._count, self._time = count, time
         self._elapsed, self._samples = PERIOD, 1
@@ -41,16 +42,16 @@ class Timeline:
         return self._time + (count - self._count) * self._elapsed // self._samples
 
     def count_at(self, time: int) -> int:
-        """Return the count of the sample that is nearest to a device time."""
+        """Return the count of the sample nearest to a device time."""
         return self._count + round((time - self._time) * self._samples / self._elapsed)
 
     def agrees(self, count: int, time: int) -> bool:
-        """Whether a time message fits what is known."""
+        """Whether a time message fits the timeline."""
         allowed = JITTER + self._tolerance * abs(count - self._count)
         return abs(time - self.time_of(count)) <= allowed
 
     def accept(self, count: int, time: int) -> None:
-        """Take a time message that agrees."""
+        """Add a time message that fits."""
         if count <= self._count:
             return
         self._history.append((count, time))
@@ -62,7 +63,7 @@ class Timeline:
             self._tolerance = JITTER / samples
 
     def move(self, count: int, time: int) -> None:
-        """Take a time message as the anchor, and keep the period: counts were lost."""
+        """Use a time message as the only anchor, and keep the period: counts were lost."""
         self._history.clear()
         self._history.append((count, time))
         self._count, self._time = count, time

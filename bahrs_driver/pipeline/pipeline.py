@@ -98,7 +98,7 @@ class Pipeline:
         clock = self._clock
         try:
             if not final:
-                clock.read(self._now, self._framer.received)
+                clock.observe_read(self._now, self._framer.received)
             stamped = clock.stamp(messages)
             if final:
                 stamped += clock.end()

@@ -15,7 +15,7 @@ class Unstamped:
     def begin(self, byte_time: int) -> None:
         """Do nothing: no state depends on the stream."""
 
-    def read(self, now: Instant, received: int) -> None:
+    def observe_read(self, now: Instant, received: int) -> None:
         """Ignore the instant of a read."""
 
     def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
@@ -26,12 +26,15 @@ class Unstamped:
         """Return an empty list: no message waits."""
         return []
 
-    def pulse_reference(self, ros_ns: int) -> None:
+    def pulse_reference(self, _ros_ns: int) -> None:
         """Ignore the time of a sync pulse."""
 
     def take_notices(self) -> list[str]:
         """Return an empty list: no clock is watched."""
         return []
+
+    def smoothing(self) -> None:
+        """Return None: nothing is stamped."""
 
     def state(self) -> TimeState:
         """Return that nothing is stamped."""

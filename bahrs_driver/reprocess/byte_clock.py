@@ -9,7 +9,7 @@ from bahrs_driver.clock import Stamped, TimeState
 from bahrs_driver.clock.counter import CountedSequence
 from bahrs_driver.clock.host import HostClocks
 from bahrs_driver.clock.interface import Instant
-from bahrs_driver.clock.slewer import Output
+from bahrs_driver.clock.slewer import StampSlewer
 from bahrs_driver.protocol.bahrs.messages import (
     InertialTime, Navigation, NavigationTime, SoftwareVersion, SyncPulseTime,
 )
@@ -27,7 +27,7 @@ class ByteClock:
     def __init__(self, stream: CountedStream, fixed_latency: int) -> None:
         """Take the stream, and what to subtract from every stamp, in ns."""
         self._stream, self._times = stream, stream.times
-        self._output = Output(HostClocks(), fixed_latency)
+        self._slewer = StampSlewer(HostClocks(), fixed_latency)
         self._jumps = stream.jumps()
         self._jump = next(self._jumps, None)
         self._received = 0              # samples
@@ -35,12 +35,12 @@ class ByteClock:
         self._latest = CountedSequence(stream.step * before.count, before.sequence)
         self._heard = False             # whether that sample itself was heard
         self._count = self._latest.count        # of the sample that was stamped last
-        self._stamp = max(0, self._output.plain(self._times.ros_time(self._count)))
+        self._stamp = max(0, self._slewer.to_ros_time(self._times.ros_time(self._count)))
 
     def begin(self, byte_time: int) -> None:
         """Do nothing: there is one stream."""
 
-    def read(self, now: Instant, received: int) -> None:
+    def observe_read(self, now: Instant, received: int) -> None:
         """Do nothing: no bytes were read at a time that tells anything."""
 
     def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
@@ -65,9 +65,12 @@ class ByteClock:
         times = self._times
         stretch = times.stretch(self._latest.count)
         return TimeState(
-            'device', 'device', label=self._stream.labels.reading, settled=times.epochs > 0,
+            'device', 'device', label=self._stream.convention.label, settled=times.epochs > 0,
             offset_ns=stretch.offset, period_us=stretch.elapsed / stretch.samples / NS_PER_US,
             epochs=times.epochs, rejected_time_messages=times.rejected)
+
+    def smoothing(self) -> None:
+        """Return None: all samples were looked at before."""
 
     def _stamp_of(self, message: Any) -> int | None:
         stream, latest, kind = self._stream, self._latest, type(message)
@@ -89,7 +92,7 @@ class ByteClock:
             if kind is SoftwareVersion:     # the device was switched on: the next sample tells
                 self._latest, self._heard = self._before_next(), False
             return self._stamp
-        return None if stamp is None else self._output.in_order(kind, stamp)
+        return None if stamp is None else self._slewer.in_order(kind, stamp)
 
     def _next(self, sequence: int) -> CountedSequence:
         """Return the next sample."""
@@ -108,7 +111,7 @@ class ByteClock:
     def _sample(self, count: int, again: bool = False) -> int:
         """Return the stamp of a sample, which may have been stamped already."""
         if not again or count != self._count:
-            self._count, self._stamp = count, self._output.arrival(self._times.ros_time(count))
+            self._count, self._stamp = count, self._slewer.stamp_arrival(self._times.ros_time(count))
         return self._stamp
 
     def _point(self, device: int, same: int = 0) -> int | None:
@@ -117,4 +120,4 @@ class ByteClock:
         ahead = device - stretch.time_of(self._latest.count)
         if abs(ahead) < same:
             return self._stamp
-        return self._output.plain(device + stretch.offset) if abs(ahead) < FARTHEST else None
+        return self._slewer.to_ros_time(device + stretch.offset) if abs(ahead) < FARTHEST else None

@@ -13,7 +13,7 @@ from itertools import chain
 from typing import Any
 
 from bahrs_driver.bag.capture import Capture, Chunk
-from bahrs_driver.clock.labels import Label
+from bahrs_driver.clock.time_reference import Label
 from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation
 from bahrs_driver.protocol.framing import Frame, Framer
 from bahrs_driver.reprocess.byte_clock import ByteClock

@@ -15,8 +15,7 @@ from typing import Any, NamedTuple, Protocol
 from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.bag.log_clock import LogClock, Moment
 from bahrs_driver.bag.read_metadata import Origin
-from bahrs_driver.clock import Clock, Instant, SampleClock, Stamped
-from bahrs_driver.clock.estimation.smoother import Survey
+from bahrs_driver.clock import Clock, Instant, Stamped
 from bahrs_driver.convert import raw
 from bahrs_driver.devices.parts import Parts
 from bahrs_driver.devices.spec import DeviceSpec
@@ -130,12 +129,12 @@ class Conversion:
                 self._settings['time.label'], self._start_ns, progress)
             return timed, timed.clock(
                 round(self._settings['time.fixed_latency'] * NS_PER_S))
-        if not isinstance(parts.clock, SampleClock):
+        smoothing = parts.clock.smoothing()
+        if smoothing is None:
             return self._given, None
-        survey = Survey()
-        for _ in _play(self._given, parts, parts.clock.with_tracker(survey), LogClock()):
+        for _ in _play(self._given, parts, smoothing.first_pass, LogClock()):
             progress('looking at the clock')
-        return self._given, parts.clock.with_tracker(survey.lines())
+        return self._given, smoothing.second_pass()
 
     def _raw(self, chunk: Chunk) -> tuple[str, UInt8MultiArray]:
         read_at = chunk.read_at or 0
@@ -182,7 +181,7 @@ def _play(capture: Capture, parts: Parts, clock: Clock, log_clock: LogClock
         last = chunk
         frames = framer.feed(chunk.data)
         moment = log_clock.observe(chunk.read_at or 0, chunk.raw_at)
-        clock.read(Instant(moment.raw_ns, moment.ros_ns), framer.received)
+        clock.observe_read(Instant(moment.raw_ns, moment.ros_ns), framer.received)
         messages = [(codec.decode(frame), frame) for frame in frames]
         yield Played(chunk, moment, clock.stamp(messages))
     if last:

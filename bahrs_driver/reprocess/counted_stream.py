@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from bahrs_driver.clock.counter import CountedSequence
-from bahrs_driver.clock.labels import Label, LabelReading
+from bahrs_driver.clock.time_reference import Label, TimeReferenceConvention
 from bahrs_driver.clock.navigation import NavigationCounter, PER_NAVIGATION
 from bahrs_driver.protocol.bahrs.messages import (
     Inertial, InertialTime, Navigation, NavigationTime, SoftwareVersion, TimeMessage,
@@ -35,7 +35,7 @@ class CountedStream:
         self.kind = kind
         self.step = PER_NAVIGATION if kind is Navigation else 1     # counts a message
         self.times = SampleTimes()
-        self.labels = LabelReading(label, DECIDING)
+        self.convention = TimeReferenceConvention(label, DECIDING)
         self.navigation = NavigationCounter()
         # Samples whose count does not go on by one: their number, from 0, count and counter.
         self._jumps = array('q'), array('q'), array('B')
@@ -132,7 +132,7 @@ class CountedStream:
         count, step = named
         ahead, rest = divmod(count - latest.count, step)
         if not rest:
-            self.labels.vote(ahead)
+            self.convention.vote(ahead)
         self._undecided.append((message, latest, self._received))
         if len(self._undecided) == DECIDING:
             self._decide()
@@ -147,7 +147,7 @@ class CountedStream:
         time, named = message.device_time_us * NS_PER_US, self._named(message, latest)
         if named and 0 < time < LONGEST_TIME:
             count, step = named
-            sample = self.step * (count - step * self.labels.ahead)
+            sample = self.step * (count - step * self.convention.ahead)
             self.times.anchor(Anchor(sample, time, self.step * received))
 
     def _named(self, message: TimeMessage, latest: CountedSequence) -> tuple[int, int] | None:

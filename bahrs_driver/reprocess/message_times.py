@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 from bahrs_driver.clock.counter import CountedSequence
-from bahrs_driver.clock.labels import LabelReading
+from bahrs_driver.clock.time_reference import TimeReferenceConvention
 from bahrs_driver.protocol.bahrs.messages import Inertial, InertialTime, Navigation, NavigationTime
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.units import COUNTER_MODULUS
@@ -48,7 +48,7 @@ class CounterTimes:
     def __init__(self, period: int) -> None:
         self._period = period
         self._latest = CountedSequence(-1, -1)
-        self._label = LabelReading()
+        self._label = TimeReferenceConvention()
         self._last: Anchor | None = None
         self._slope: float | None = period      # up to the last anchor; None if none agreed
         self._connected = False

@@ -159,7 +159,7 @@ class Receiver:
             if frames:          # a port that opens and closes at once is not tried any faster
                 self._pause, self._has_frames = FIRST_PAUSE, True
                 self._report_open()
-            self._clock.read(reading.now, self._framer.received)
+            self._clock.observe_read(reading.now, self._framer.received)
             self._hand_over(self._stamped(frames))
         except Exception as error:
             # What waits in the clock may be what it failed on.

@@ -47,7 +47,7 @@ def test_a_step_of_the_host_is_told_and_followed_at_once():
     """Backward by half a second, too: stamps are what the host's clock says."""
     clock, stamps = ArrivalStamps(), []
     for index, (raw, ros) in enumerate([(0, 9_000), (10, 9_010), (20, 8_520), (30, 8_530)]):
-        clock.read(Instant(raw * 1_000_000, ros * 1_000_000), index + 1)
+        clock.observe_read(Instant(raw * 1_000_000, ros * 1_000_000), index + 1)
         stamps += clock.stamp([('message', Frame(index + 1, b'', 'word'))])
     assert [item.stamp_ns // 1_000_000 for item in stamps] == [9_000, 9_010, 8_520, 8_530]
     assert clock.take_notices() == ["the host's clock was set by -0.500000 s"]

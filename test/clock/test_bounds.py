@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of what reads say of a frame, with literal numbers: a byte takes 100 ns."""
 
-from bahrs_driver.clock.bounds import ByteBounds, LONGEST
+from bahrs_driver.clock.bounds import ByteBounds, MAX_READS
 
 
 def bounds(*reads):
     """Return bounds that have seen reads: time, bytes received so far."""
     made = ByteBounds(100)
     for read in reads:
-        made.read(*read)
+        made.observe_read(*read)
     return made
 
 
@@ -41,14 +41,14 @@ def test_a_read_before_the_frame_says_nothing_of_it():
 
 def test_memory_is_bounded_and_what_is_left_is_true():
     """A flood of reads without a frame."""
-    made = bounds(*((1000 * index, index) for index in range(1, 10 * LONGEST)))
+    made = bounds(*((1000 * index, index) for index in range(1, 10 * MAX_READS)))
     assert made.bound(0) >= 1000 - 100
-    assert made.bound(10 * LONGEST - 2) == 1000 * (10 * LONGEST - 1) - 100
+    assert made.bound(10 * MAX_READS - 2) == 1000 * (10 * MAX_READS - 1) - 100
 
 
 def test_without_a_line_rate_the_first_read_counts():
     """As on native USB and networks."""
     made = ByteBounds(0)
-    made.read(500, 10)
-    made.read(900, 28)
+    made.observe_read(500, 10)
+    made.observe_read(900, 28)
     assert made.bound(3) == 500

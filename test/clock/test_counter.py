@@ -12,8 +12,8 @@ def counted(*frames, latest=None):
     for sequence, periods in frames:
         bound = round(periods * PERIOD)
         limit = None if latest is None else latest(periods)
-        if not counter.follow(sequence, bound):
-            counter.place(sequence, bound, limit)
+        if not counter.advance(sequence, bound):
+            counter.add(sequence, bound, limit)
         counts.append(counter.count)
     return counts
 
@@ -52,7 +52,7 @@ def test_three_that_make_no_sense_are_a_loss():
     counter = SampleCounter()
     for index, sequence in enumerate((7, 107, 108, 109)):
         assert not counter.lost
-        counter.place(sequence, index * PERIOD, index)
+        counter.add(sequence, index * PERIOD, index)
     assert counter.lost
 
 
@@ -60,7 +60,7 @@ def test_silence():
     """Of nearly as long as a device takes to start."""
     counter = SampleCounter()
     assert not counter.silence_before(10 ** 12)
-    counter.place(0, 0, None)
+    counter.add(0, 0, None)
     assert not counter.silence_before(70 * PERIOD)
     assert counter.silence_before(90 * PERIOD)
 
@@ -70,14 +70,14 @@ def test_silence():
 def test_far(sequence, periods, far):
     """Where so much is missing, and time enough has passed, another counter may go on."""
     counter = SampleCounter()
-    assert not counter.far(sequence, 0, None)
-    counter.place(0, 0, None)
-    assert counter.far(sequence, periods * PERIOD, periods) is far
+    assert not counter.is_far(sequence, 0, None)
+    counter.add(0, 0, None)
+    assert counter.is_far(sequence, periods * PERIOD, periods) is far
 
 
 def test_nearest():
     """Time messages name samples around the latest one."""
     counter = SampleCounter()
-    counter.place(250, 0, None)
+    counter.add(250, 0, None)
     assert [counter.latest.nearest(sequence) for sequence in (250, 251, 249, 3, 130)] == [
         0, 1, -1, 9, -120]

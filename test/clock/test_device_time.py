@@ -1,32 +1,32 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of labels, timeline and what time messages mean, with literal numbers."""
+"""Tests of the time reference, the timeline and the verdicts on time messages, with literal numbers."""
 
 from bahrs_driver.clock.counter import PERIOD
 from bahrs_driver.clock.device_time import DeviceTime, Verdict
-from bahrs_driver.clock.labels import LabelReading
+from bahrs_driver.clock.time_reference import TimeReferenceConvention
 from bahrs_driver.clock.timeline import Timeline
 import pytest
 
 START = 600_000_000
 
 
-@pytest.mark.parametrize('votes, reading', [
+@pytest.mark.parametrize('votes, expected', [
     ([], 'not seen yet'), ([1], 'next'), ([0], 'same'), ([1, 0, 1], 'next'), ([0, 1, 0], 'same'),
     ([7, -3], 'not seen yet'), ([0] * 9 + [1] * 5, 'next')])
-def test_label_by_votes(votes, reading):
+def test_label_by_votes(votes, expected):
     """The majority of the latest nine."""
-    label = LabelReading()
+    convention = TimeReferenceConvention()
     for vote in votes:
-        label.vote(vote)
-    assert label.reading == reading
+        convention.vote(vote)
+    assert convention.label == expected
 
 
-def test_a_forced_label_does_not_listen():
+def test_a_forced_convention_ignores_votes():
     """The parameter decides."""
-    label = LabelReading('same')
-    label.vote(1)
-    assert label.ahead == 0 and label.reading == 'same'
+    convention = TimeReferenceConvention('same')
+    convention.vote(1)
+    assert convention.ahead == 0 and convention.label == 'same'
 
 
 def test_timeline_before_and_after_its_anchor():
@@ -56,13 +56,13 @@ def device(samples=1):
     """Return device time that has seen samples."""
     made = DeviceTime('same')
     for index in range(samples):
-        made.counter.place(index, index * PERIOD, None)
+        made.counter.add(index, index * PERIOD, None)
     return made
 
 
 def verdicts(made, *messages):
     """Return what each time message means: count, time, lateness."""
-    return [made.time_message(*message) for message in messages]
+    return [made.add_time(*message) for message in messages]
 
 
 KNOWN, NEW, DOUBTED = Verdict.KNOWN, Verdict.NEW_EPOCH, Verdict.DOUBTED
@@ -106,7 +106,7 @@ def test_after_silence_one_is_enough_if_the_hosts_clock_agrees():
     """The device was but unplugged."""
     made = device()
     verdicts(made, (0, START, None), (20, START + 20 * PERIOD, None))
-    made.lose(100, 10 ** 10)
+    made.jump_count(100, 10 ** 10)
     assert not made.known
     count = made.counter.count
     assert verdicts(made, (count, START + 2000 * PERIOD, 90_000)) == [KNOWN]
@@ -118,5 +118,5 @@ def test_navigation_goes_with_the_inertial_sample_of_its_time():
     made = device(5)
     made.pair(2)
     assert made.navigation.count(2, made.counter.latest) == 4
-    made.counter.place(5, 5 * PERIOD, None)
-    assert made.navigation_time(3) == 6
+    made.counter.add(5, 5 * PERIOD, None)
+    assert made.navigation_referenced(3) == 6

@@ -21,7 +21,7 @@ def begun(latency=0):
 
 def stamp(clock, asked, time, offset, size, offset_ros=ROS, wanted=True):
     """Return the stamp of a frame that a read at a time has completed."""
-    clock.read(Instant(time, time + offset_ros), offset + size)
+    clock.observe_read(Instant(time, time + offset_ros), offset + size)
     message = SimpleNamespace(asked=asked, wanted=wanted)
     (_, _, stamped), = clock.stamp([(message, Frame(offset, bytes(size), 'big'))])
     return stamped - offset_ros
@@ -38,7 +38,7 @@ def test_the_middle_of_request_and_answer_less_their_time_on_the_line():
 def test_a_read_in_the_midst_of_an_answer_tells_more():
     """The last part was held back; the first was not."""
     clock = begun()
-    clock.read(Instant(13 * MS, 13 * MS + ROS), 20)         # begun at 11 ms at the latest
+    clock.observe_read(Instant(13 * MS, 13 * MS + ROS), 20)         # begun at 11 ms at the latest
     assert stamp(clock, 10 * MS, 30 * MS, 0, 50) == 10_900 * US
 
 

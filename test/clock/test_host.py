@@ -13,33 +13,33 @@ MS = 1_000_000
 def test_constant_offset():
     """Before the first read and after the last, too."""
     host = HostClocks()
-    assert host.read(Instant(0, ROS)) == 0
-    assert host.read(Instant(16 * MS, ROS + 16 * MS)) == 0
-    assert [host.ros(raw) for raw in (-5, 3 * MS, 20 * MS)] == [
+    assert host.observe_read(Instant(0, ROS)) == 0
+    assert host.observe_read(Instant(16 * MS, ROS + 16 * MS)) == 0
+    assert [host.to_ros_time(raw) for raw in (-5, 3 * MS, 20 * MS)] == [
         ROS - 5, ROS + 3 * MS, ROS + 20 * MS]
 
 
 def test_a_slew_is_followed_straight_between_two_reads():
     """500 ppm over 16 ms are 8 us, half of it in the middle."""
     host = HostClocks()
-    host.read(Instant(0, ROS))
-    assert host.read(Instant(16 * MS, ROS + 16 * MS + 8000)) == 0
-    assert host.ros(8 * MS) == ROS + 8 * MS + 4000
+    host.observe_read(Instant(0, ROS))
+    assert host.observe_read(Instant(16 * MS, ROS + 16 * MS + 8000)) == 0
+    assert host.to_ros_time(8 * MS) == ROS + 8 * MS + 4000
     assert host.steps == 0
 
 
 def test_the_fastest_slew_is_no_step():
     """Chrony goes at 8.3 % when it must."""
     host = HostClocks()
-    host.read(Instant(0, ROS))
-    assert host.read(Instant(100 * MS, ROS + 108 * MS)) == 0
+    host.observe_read(Instant(0, ROS))
+    assert host.observe_read(Instant(100 * MS, ROS + 108 * MS)) == 0
 
 
 def test_a_step_is_followed_at_once_and_told():
     """Also by what was measured before it and read after it."""
     host = HostClocks()
-    host.read(Instant(0, ROS))
-    assert host.read(Instant(16 * MS, ROS + 516 * MS)) == 500 * MS
-    assert host.ros(10 * MS) == ROS + 510 * MS
-    assert host.read(Instant(32 * MS, ROS + 432 * MS)) == -100 * MS
+    host.observe_read(Instant(0, ROS))
+    assert host.observe_read(Instant(16 * MS, ROS + 516 * MS)) == 500 * MS
+    assert host.to_ros_time(10 * MS) == ROS + 510 * MS
+    assert host.observe_read(Instant(32 * MS, ROS + 432 * MS)) == -100 * MS
     assert host.steps == 2 and host.last_step_ns == -100 * MS

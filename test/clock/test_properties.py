@@ -3,7 +3,7 @@
 """Whatever comes, the clock does not raise, keeps its promises, and recovers."""
 
 from bahrs_driver.clock import ClockOptions, Instant, SampleClock
-from bahrs_driver.clock.held import LATE_KINDS
+from bahrs_driver.clock.held import MESSAGES_PER_SAMPLE
 from bahrs_driver.protocol.bahrs.messages import (
     Inertial,
     InertialTime,
@@ -11,13 +11,14 @@ from bahrs_driver.protocol.bahrs.messages import (
     NavigationTime,
     SyncPulseTime,
 )
+from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Frame
 from clock_simulation import Case
 from hypothesis import given, settings, strategies as st
 from support.simulated import simulated
 
 FAULTS_END = 8.0
-MOST_WAITING = LATE_KINDS * ClockOptions().most_held
+MOST_WAITING = MESSAGES_PER_SAMPLE * ClockOptions().most_held
 counters = st.integers(0, 255)
 times = st.one_of(st.integers(0, 2 ** 64 - 1), st.integers(0, 10 ** 7))
 messages = st.one_of(
@@ -35,14 +36,14 @@ reads = st.tuples(st.integers(0, 3 * 10 ** 9), st.integers(-10 ** 9, 10 ** 9),
 @given(st.lists(reads, max_size=40))
 def test_nothing_that_comes_raises_or_breaks_the_promises(all_reads):
     """Any messages, at any times, on a host whose clock jumps about."""
-    clock = SampleClock()
+    clock = SampleClock(ROLES)
     clock.begin(86_805)
     raw, ros, received = 10 ** 9, 10 ** 18, 0
     for elapsed, jump, batch in all_reads:
         raw, ros = raw + elapsed, ros + elapsed + (jump if elapsed % 7 == 0 else 0)
         frames = [Frame(received + 28 * index, bytes(28), 'word') for index in range(len(batch))]
         received += 28 * len(batch)
-        clock.read(Instant(raw, ros), received)
+        clock.observe_read(Instant(raw, ros), received)
         stamped = clock.stamp(list(zip(batch, frames)))
         samples = [item.stamp_ns for item in stamped if isinstance(item.message, Inertial)]
         assert samples == sorted(set(samples))
@@ -51,11 +52,11 @@ def test_nothing_that_comes_raises_or_breaks_the_promises(all_reads):
 
 def test_a_device_that_only_navigates_is_stamped_with_arrival():
     """Nothing waits for ever, nor without bounds, for a sample that never comes."""
-    clock, stamped = SampleClock(), []
+    clock, stamped = SampleClock(ROLES), []
     clock.begin(0)
     for index in range(1000):
         now = Instant(10 ** 9 + index * 10 ** 7, 10 ** 18 + index * 10 ** 7)
-        clock.read(now, 24 * (index + 1))
+        clock.observe_read(now, 24 * (index + 1))
         stamped += clock.stamp([(Navigation(index % 256, *[0.0] * 5, ()),
                                  Frame(24 * index, bytes(24), 'word'))])
     assert [item.stamp_ns for item in stamped] == [

@@ -5,6 +5,7 @@
 from bahrs_driver.clock import SampleClock
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import Inertial, InertialTime, Navigation
+from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Framer
 from clock_simulation import BYTE_TIME, Case, ORIGIN, Sent, Simulation
 import pytest
@@ -44,11 +45,11 @@ def sent(messages):
 @pytest.mark.parametrize('adapter', [0.016, 'packets', 'plain'])
 def test_real_stream(messages, adapter):
     """Label, period, settling, epochs, order: as the device is."""
-    simulation, clock = Simulation(Case(adapter=adapter), 1), SampleClock()
+    simulation, clock = Simulation(Case(adapter=adapter), 1), SampleClock(ROLES)
     clock.begin(BYTE_TIME)
     stamps, paired, samples, time_messages, settled_after = [], {}, 0, 0, None
     for now, received, batch in simulation.reads(sent(messages)):
-        clock.read(now, received)
+        clock.observe_read(now, received)
         samples += sum(isinstance(message, Inertial) for message, _ in batch)
         time_messages += sum(isinstance(message, InertialTime) for message, _ in batch)
         for message, frame, stamp in clock.stamp(batch):

@@ -4,7 +4,7 @@
 
 from bahrs_driver.clock import Instant
 from bahrs_driver.clock.host import HostClocks
-from bahrs_driver.clock.slewer import Output
+from bahrs_driver.clock.slewer import StampSlewer
 import pytest
 
 MS = 1_000_000
@@ -13,11 +13,11 @@ PERIOD = 5 * MS
 FAR = 10 ** 12
 
 
-def output(latency=0):
-    """Return an output whose host has ROS time = raw + ROS."""
+def slewer(latency=0):
+    """Return a slewer whose host has ROS time = raw + ROS."""
     host = HostClocks()
-    host.read(Instant(0, ROS))
-    return Output(host, latency)
+    host.observe_read(Instant(0, ROS))
+    return StampSlewer(host, latency)
 
 
 def stamps(made, targets, start=0, bound=FAR):
@@ -30,13 +30,13 @@ def stamps(made, targets, start=0, bound=FAR):
 def test_a_steady_estimate_is_the_stamp():
     """Less the fixed latency."""
     targets = [100 * MS + index * PERIOD for index in range(3)]
-    assert stamps(output(), targets) == targets
-    assert stamps(output(latency=250), targets) == [target - 250 for target in targets]
+    assert stamps(slewer(), targets) == targets
+    assert stamps(slewer(latency=250), targets) == [target - 250 for target in targets]
 
 
 def test_a_correction_is_spread_over_time():
     """At 500 ppm once settled: 2.5 us in 5 ms."""
-    made = output()
+    made = slewer()
     stamps(made, [index * PERIOD for index in range(700)])
     moved = stamps(made, [700 * PERIOD + 6000, 701 * PERIOD + 6000, 702 * PERIOD + 6000], 700)
     assert moved == [700 * PERIOD + 2500, 701 * PERIOD + 5000, 702 * PERIOD + 6000]
@@ -44,19 +44,19 @@ def test_a_correction_is_spread_over_time():
 
 def test_at_the_start_corrections_are_fast():
     """At 10 %: half a millisecond in 5 ms."""
-    assert stamps(output(), [0, PERIOD - 600_000]) == [0, PERIOD - 500_000]
+    assert stamps(slewer(), [0, PERIOD - 600_000]) == [0, PERIOD - 500_000]
 
 
 def test_stamps_increase_strictly():
     """Whatever the estimate does."""
-    made = output()
-    assert [made.arrival(raw) - ROS for raw in (1000, 1000, 900, 5000)] == [
+    made = slewer()
+    assert [made.stamp_arrival(raw) - ROS for raw in (1000, 1000, 900, 5000)] == [
         1000, 1001, 1002, 5000]
 
 
 def test_no_stamp_is_later_than_the_bytes_prove():
     """Even while it follows slowly."""
-    made = output()
+    made = slewer()
     stamps(made, [index * PERIOD for index in range(700)])
     assert stamps(made, [700 * PERIOD - MS], 700, bound=700 * PERIOD - MS + 10) == [
         700 * PERIOD - MS + 10]
@@ -64,7 +64,7 @@ def test_no_stamp_is_later_than_the_bytes_prove():
 
 def test_a_time_after_its_own_read_is_no_stamp():
     """By more than a millisecond it cannot be."""
-    made = output()
+    made = slewer()
     now = Instant(50 * MS, ROS + 50 * MS)
     assert made.stamp(0, 52 * MS, 0.0, 49 * MS, now) is None
     assert made.stamp(PERIOD, 50 * MS + 500_000, 0.0, 49 * MS, now) == ROS + 49 * MS
@@ -73,18 +73,18 @@ def test_a_time_after_its_own_read_is_no_stamp():
 def test_only_a_host_that_was_set_back_is_followed_backward():
     """All others on that host go by the new time, too."""
     host = HostClocks()
-    made = Output(host, 0)
-    host.read(Instant(0, ROS))
-    first = made.arrival(0)
-    host.read(Instant(PERIOD, ROS - 10 ** 9))
+    made = StampSlewer(host, 0)
+    host.observe_read(Instant(0, ROS))
+    first = made.stamp_arrival(0)
+    host.observe_read(Instant(PERIOD, ROS - 10 ** 9))
     made.allow_backward()
-    assert first == ROS and made.arrival(PERIOD) == ROS - 10 ** 9
+    assert first == ROS and made.stamp_arrival(PERIOD) == ROS - 10 ** 9
 
 
 @pytest.mark.parametrize('skew', [-100e-6, 100e-6])
 def test_skew_is_no_correction(skew):
     """The estimate moves on with it, and so do stamps."""
-    made, now = output(), Instant(FAR, ROS + FAR)
+    made, now = slewer(), Instant(FAR, ROS + FAR)
     for index in range(1000):
         device = index * PERIOD
         target = device + round(skew * device)

@@ -4,6 +4,7 @@
 
 from bahrs_driver.clock import Instant, SampleClock
 from bahrs_driver.protocol.bahrs.messages import Inertial, InertialTime, Navigation, SyncPulseTime
+from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Frame
 from hypothesis import given, strategies as st
 
@@ -37,14 +38,14 @@ def stream(samples, extra):
 
 def stamps(samples, extra):
     """Return (message, stamp less the stamp of device time 0 in us), one read a sample."""
-    clock, stamped, received = SampleClock(), [], 0
+    clock, stamped, received = SampleClock(ROLES), [], 0
     clock.begin(0)
     for count, messages in enumerate(stream(samples, extra)):
         frames = [Frame(received + 20 * place, bytes(20), 'word')
                   for place in range(len(messages))]
         received += 20 * len(messages)
         raw = RAW + 1000 * (START_US + count * PERIOD_US + LATE_US)
-        clock.read(Instant(raw, raw + ROS), received)
+        clock.observe_read(Instant(raw, raw + ROS), received)
         stamped += clock.stamp(zip(messages, frames))
     zero = ROS + RAW + 1000 * LATE_US
     return [(message, (stamp - zero) / 1000) for message, _, stamp in stamped]

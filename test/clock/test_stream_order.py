@@ -6,6 +6,7 @@ from bahrs_driver.clock import ClockOptions, Instant, SampleClock
 from bahrs_driver.protocol.bahrs.messages import (
     Accuracy, Acknowledgement, Inertial, InertialTime, Navigation, NavigationTime,
 )
+from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Frame
 from clock_simulation import BYTE_TIME, Case, Simulation
 from hypothesis import given, settings, strategies as st
@@ -24,7 +25,7 @@ def inertial(sequence):
 
 def fed(reads, clock=None):
     """Return what a clock gives after each read of messages, one read every 5 ms."""
-    clock = clock or SampleClock()
+    clock = clock or SampleClock(ROLES)
     clock.begin(0)
     given_back, received = [], 0
     for index, messages in enumerate(reads):
@@ -32,7 +33,7 @@ def fed(reads, clock=None):
         frames = [Frame(received + 24 * place, bytes(24), 'word')
                   for place in range(len(messages))]
         received += 24 * len(messages)
-        clock.read(Instant(raw, raw + ROS), received)
+        clock.observe_read(Instant(raw, raw + ROS), received)
         given_back.append([item.message for item in clock.stamp(zip(messages, frames))])
     return given_back
 
@@ -44,7 +45,7 @@ def fed(reads, clock=None):
 def test_order_does_not_depend_on_how_the_stream_is_cut(seed, sizes, **faults):
     """Nothing overtakes, and an accuracy message stays between the same two messages."""
     case = Case(4.0, 'plain', restarts=(2.5,), **faults)
-    device, clock, given_back, place = Simulation(case, seed), SampleClock(), [], 0
+    device, clock, given_back, place = Simulation(case, seed), SampleClock(ROLES), [], 0
     messages = [item for read in device.reads() for item in read.messages]
     clock.begin(BYTE_TIME)
     while place < len(messages):
@@ -52,7 +53,7 @@ def test_order_does_not_depend_on_how_the_stream_is_cut(seed, sizes, **faults):
         place += len(batch)
         end = batch[-1][1]
         now = device.truths[end.offset] + LATE
-        clock.read(Instant(now, now + ROS), end.offset + len(end.data))
+        clock.observe_read(Instant(now, now + ROS), end.offset + len(end.data))
         given_back += clock.stamp(batch)
     given_back += clock.end()
     offsets = [item.frame.offset for item in given_back]
@@ -97,7 +98,7 @@ def test_holding_is_bounded(kind):
 
 def test_what_came_before_a_doubt_is_not_held():
     """A time message that contradicts says nothing of the samples before it."""
-    clock = SampleClock()
+    clock = SampleClock(ROLES)
     beginning = [inertial(0), InertialTime(0, 1, 700_000), *map(inertial, range(1, 21)),
                  InertialTime(1, 21, 800_000)]
     given_back = fed([beginning, [inertial(21), InertialTime(2, 22, 5)], [inertial(22)]], clock)

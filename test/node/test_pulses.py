@@ -48,8 +48,8 @@ def test_any_time_of_a_pulse_is_taken(seconds, nanoseconds):
     heard = []
     clock = SimpleNamespace(pulse_reference=heard.append)
     DriverNode._on_pulse_reference(SimpleNamespace(_parts=SimpleNamespace(clock=clock)), message)
-    reference = PulseReference(SECOND, told=True)
-    reference.tell(*heard)
+    reference = PulseReference(SECOND, external=True)
+    reference.add(*heard)
     assert heard == [seconds * SECOND + nanoseconds]
     assert reference.find(time.time_ns()) in (None, *heard)
 

@@ -60,9 +60,9 @@ class ScriptedClock(ArrivalStamps):
         if hasattr(self, 'byte_times'):
             self.byte_times.append(byte_time)
 
-    def read(self, now, received):
+    def observe_read(self, now, received):
         """Keep the arguments."""
-        super().read(now, received)
+        super().observe_read(now, received)
         self.reads.append((now, received))
 
     def stamp(self, messages):

@@ -44,7 +44,7 @@ def stamped(data, start=None, size=1000, label='auto', latency=0):
     clock, framer, found, chunks = timed.clock(latency), Framer(BahrsFormat()), [], []
     for chunk in timed.chunks():
         chunks.append(chunk)
-        clock.read(Instant(chunk.read_at, chunk.read_at), 0)
+        clock.observe_read(Instant(chunk.read_at, chunk.read_at), 0)
         found += clock.stamp((codec.decode(frame), frame) for frame in framer.feed(chunk.data))
     found += clock.stamp((codec.decode(frame), frame) for frame in framer.flush())
     assert b''.join(chunk.data for chunk in chunks) == data

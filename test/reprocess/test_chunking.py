@@ -108,7 +108,7 @@ def live(sizes):
     published = []
     for data, raw in chunks(sizes):
         frames = sensor.framer.feed(data)
-        sensor.clock.read(Instant(raw, ORIGIN + raw), sensor.framer.received)
+        sensor.clock.observe_read(Instant(raw, ORIGIN + raw), sensor.framer.received)
         stamped = sensor.clock.stamp([(sensor.codec.decode(frame), frame) for frame in frames])
         for message, _, stamp_ns in stamped:
             published += sensor.converter.convert(message, stamp_ns)

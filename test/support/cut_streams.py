@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import random
 
 from bahrs_driver.clock import Instant
-from bahrs_driver.clock.estimation.smoother import Survey
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import (
     Inertial, InertialTime, Navigation, NavigationTime, SyncPulseTime,
@@ -105,7 +104,7 @@ def live(stream, clock, ros=lambda raw: raw + ROS):
     for raw, data in stream.reads:
         found = framer.feed(data)
         now = Instant(raw, ros(raw))
-        clock.read(now, framer.received)
+        clock.observe_read(now, framer.received)
         take(stamp(found))
     take(stamp(framer.flush()) + clock.end())
     return Stamps(items, clock, sent)
@@ -113,9 +112,9 @@ def live(stream, clock, ros=lambda raw: raw + ROS):
 
 def converted(stream, clock):
     """Return the stamps of a stream as a conversion of its recording makes them."""
-    survey = Survey()
-    live(stream, clock.with_tracker(survey))
-    return live(stream, clock.with_tracker(survey.lines()))
+    smoothing = clock.smoothing()
+    live(stream, smoothing.first_pass)
+    return live(stream, smoothing.second_pass())
 
 
 def check_promises(stamps, truth):

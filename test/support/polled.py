@@ -80,7 +80,7 @@ class PolledDevice:
         self.chunks.append((self.now, data))
         time = round(self.now * NS)
         frames = self.framer.feed(data)
-        self.clock.read(Instant(time, time), self.framer.received)
+        self.clock.observe_read(Instant(time, time), self.framer.received)
         stamped = self.clock.stamp(
             [(self.poller.receive(frame, time), frame) for frame in frames])
         self.received += [(self.now, item) for item in stamped]

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from statistics import median
 
 from bahrs_driver.clock import ClockOptions, SampleClock, TimeState
-from bahrs_driver.clock.estimation.tracker import Tracker
+from bahrs_driver.clock.estimation.estimate import Estimate
 from bahrs_driver.protocol.bahrs.messages import Inertial
+from bahrs_driver.protocol.bahrs.roles import ROLES
 from clock_simulation import BYTE_TIME, Case, ORIGIN, Simulation
 
 
@@ -35,15 +36,15 @@ class Outcome:
 
 
 def simulated(case: Case, seed: int = 1, options: ClockOptions = ClockOptions(),
-              tracker: Tracker | None = None,
+              estimate: Estimate | None = None,
               simulation: Callable[[Case, int], Simulation] = Simulation) -> Outcome:
-    """Return what a clock makes of a case, with a tracker of its own or another one."""
-    device, clock = simulation(case, seed), SampleClock(options, tracker)
+    """Return what a clock makes of a case, with a live estimate or another one."""
+    device, clock = simulation(case, seed), SampleClock(ROLES, options, estimate)
     clock.begin(BYTE_TIME)
     outcome = Outcome([], clock.state(), [], 0, 0, 0)
     last = 0
     for now, received, messages in device.reads():
-        clock.read(now, received)
+        clock.observe_read(now, received)
         for message, frame, stamp in clock.stamp(messages):
             if isinstance(message, Inertial):
                 truth = case.ros(device.truths[frame.offset])

@@ -6,6 +6,7 @@ from functools import lru_cache
 
 from bahrs_driver.clock import SampleClock
 from bahrs_driver.devices.registry import DEVICES
+from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.virtual_serial.pacing import paced
 from hypothesis import example, given, settings, strategies as st
@@ -46,7 +47,7 @@ def recorded(adapter):
 def test_the_recording(adapter, begin, length, way):
     """Also a beginning with a navigation message, and few samples without any time message."""
     stream = recorded(adapter).cut(begin, begin + length)
-    assert worst_period(check_promises(way(stream, SampleClock()), stream.truth)) < SETTLING
+    assert worst_period(check_promises(way(stream, SampleClock(ROLES)), stream.truth)) < SETTLING
 
 
 @settings(max_examples=80)
@@ -58,7 +59,7 @@ def test_the_recording(adapter, begin, length, way):
 def test_emulated_devices(begin, end, way, **what):
     """Of every version, with losses and restarts."""
     stream = emulated(5.0, **what).cut(begin, end)
-    assert worst_period(check_promises(way(stream, SampleClock()), stream.truth)) < SETTLING
+    assert worst_period(check_promises(way(stream, SampleClock(ROLES)), stream.truth)) < SETTLING
 
 
 @settings(max_examples=20)
@@ -66,7 +67,7 @@ def test_emulated_devices(begin, end, way, **what):
 def test_a_device_whose_time_messages_name_their_own_sample(adapter, begin, end, way):
     """As the document has it."""
     stream = emulated(5.0, adapter, time_label='same', restarts=(2.0,)).cut(begin, end)
-    assert worst_period(check_promises(way(stream, SampleClock()), stream.truth)) < SETTLING
+    assert worst_period(check_promises(way(stream, SampleClock(ROLES)), stream.truth)) < SETTLING
 
 
 @pytest.mark.parametrize('adapter', ADAPTERS)
@@ -74,5 +75,5 @@ def test_the_last_samples_are_as_even_as_the_others(adapter):
     """The end of a stream is nothing that a stamp could know of."""
     stream = emulated(8.0, adapter).cut(0.3, 1.0)
     for way in (live, converted):
-        samples = check_promises(way(stream, SampleClock()), stream.truth)
+        samples = check_promises(way(stream, SampleClock(ROLES)), stream.truth)
         assert worst_period(samples[-200:]) < SETTLED

@@ -1,13 +1,13 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-A Kalman filter of two states: an offset that grows with time, and its rate, the skew.
+A Kalman filter of two states: a clock offset, and its rate of change, the skew.
 
-How fast a skew may change depends on what the clock is going through. At an even temperature it
-hardly does, and long memory makes it exact enough to go on by alone; while the device warms up
-it moves all the time, and long memory makes the offset lag behind. So a filter may have several
-paces, each with states of its own: after every measurement the paces that foretold it badly lose
-weight, and what the filter says is the weighted mean (an interacting multiple model filter).
+The process noise depends on the temperature. At an even temperature the skew hardly changes, and
+a long memory makes it accurate enough to extrapolate; while the device warms up the skew changes
+all the time, and with a long memory the offset lags behind. So a filter may have two process
+models, each with its own state: after every measurement, a model that predicted it badly loses
+weight, and the estimate is the weighted mean (an interacting multiple model filter).
 """
 
 from collections.abc import Sequence
@@ -17,27 +17,27 @@ from typing import NamedTuple
 from bahrs_driver.units import NS_PER_S
 
 SKEW_LIMIT = 250e-6
-OFFSET_WALK = 300.0 ** 2 / NS_PER_S             # ns^2 for each ns: 0.3 us a root second
-LEAST_LIKELY = -25.0                            # logarithm, so that no pace is ruled out
+OFFSET_WALK = 300.0 ** 2 / NS_PER_S     # ns^2 per ns: 0.3 us per root second
+MIN_LOG_LIKELIHOOD = -25.0              # keeps each model possible
 
 
-class Pace(NamedTuple):
-    """How fast a skew changes, and how likely another pace holds at the next measurement."""
+class ProcessModel(NamedTuple):
+    """The random walk of the skew, and how likely another model holds at the next measurement."""
 
-    skew_walk: float            # variance for each ns
-    leave: float = 0.0
-
-
-def pace(ppm: float, leave: float = 0.0) -> Pace:
-    """Return the pace of a skew that walks by so many ppm a root second."""
-    return Pace((ppm * 1e-6) ** 2 / NS_PER_S, leave)
+    skew_walk: float            # variance per ns
+    transition_probability: float = 0.0
 
 
-ANY = (pace(0.1),)
+def process_model(ppm: float, transition_probability: float = 0.0) -> ProcessModel:
+    """Return the model of a skew that walks by so many ppm per root second."""
+    return ProcessModel((ppm * 1e-6) ** 2 / NS_PER_S, transition_probability)
+
+
+SINGLE_MODEL = (process_model(0.1),)
 
 
 class State:
-    """Offset and skew as one pace has them, with their covariance. Offsets in ns."""
+    """Offset and skew by one model, with their covariance. Offsets in ns."""
 
     __slots__ = ('offset', 'p00', 'p01', 'p11', 'skew')
 
@@ -46,14 +46,14 @@ class State:
         self.p00, self.p01, self.p11 = p00, p01, p11
 
     def predict(self, elapsed: int, skew_walk: float) -> None:
-        """Go on by some ns."""
+        """Extrapolate by some ns, of either sign."""
         self.offset += self.skew * elapsed
         self.p00 += elapsed * (2 * self.p01 + elapsed * self.p11) + OFFSET_WALK * abs(elapsed)
         self.p01 += elapsed * self.p11
         self.p11 += skew_walk * abs(elapsed)
 
     def correct(self, offset: float, variance: float) -> float:
-        """Take a measurement of the offset; return how likely it was."""
+        """Update with a measurement of the offset; return its likelihood."""
         total, innovation = self.p00 + variance, offset - self.offset
         gain, skew_gain = self.p00 / total, self.p01 / total
         self.offset += gain * innovation
@@ -61,11 +61,11 @@ class State:
         self.p11 -= skew_gain * self.p01
         self.p01 *= 1 - gain
         self.p00 *= 1 - gain
-        return math.exp(max(LEAST_LIKELY, -innovation ** 2 / total / 2)) / math.sqrt(total)
+        return math.exp(max(MIN_LOG_LIKELIHOOD, -innovation ** 2 / total / 2)) / math.sqrt(total)
 
 
 def mean(states: Sequence[State], weights: Sequence[float]) -> State:
-    """Return one state that stands for several, with the spread of their values in it."""
+    """Return the state with the mean and covariance of a weighted mixture."""
     offset = sum(w * s.offset for w, s in zip(weights, states))
     skew = sum(w * s.skew for w, s in zip(weights, states))
     p00 = p01 = p11 = 0.0
@@ -81,28 +81,26 @@ class OffsetFilter:
     """
     Estimates an offset in ns at a time in ns, and its skew.
 
-    The offset is kept as a whole number and a small rest, so that nothing is lost to rounding
+    The offset is stored as an integer base plus a small float, so that no precision is lost
     however long the clocks have run.
     """
 
-    __slots__ = ('_base', '_mean', '_paces', '_states', '_weights', 'time')
+    __slots__ = ('_base', '_mean', '_models', '_states', '_weights', 'time')
 
     def __init__(self, time: int, offset: int, deviation: float, skew: float = 0.0,
-                 skew_deviation: float = 100e-6, paces: Sequence[Pace] = ANY) -> None:
-        """
-        Start with what is known: an offset and a skew, each with its standard deviation.
-
-        There may be one pace, or two that take turns.
-        """
+                 skew_deviation: float = 100e-6,
+                 models: Sequence[ProcessModel] = SINGLE_MODEL) -> None:
+        """Start with an offset and a skew, each with its standard deviation; one or two models."""
         self.time = time
-        self._paces = paces
-        self._states = [State(0.0, skew, 0.0, 0.0, skew_deviation ** 2) for _ in paces]
-        stays = [1 / pace.leave if pace.leave else 1.0 for pace in paces]
-        self._weights = [stay / sum(stays) for stay in stays]
+        self._models = models
+        self._states = [State(0.0, skew, 0.0, 0.0, skew_deviation ** 2) for _ in models]
+        durations = [1 / model.transition_probability if model.transition_probability else 1.0
+                     for model in models]
+        self._weights = [duration / sum(durations) for duration in durations]
         self.set_offset(offset, deviation)
 
     def set_offset(self, offset: int, deviation: float) -> None:
-        """Take another offset for the present time, and keep the skew."""
+        """Replace the offset at the present time, and keep the skew."""
         self._base = offset
         for state in self._states:
             state.offset, state.p00, state.p01 = 0.0, deviation ** 2, 0.0
@@ -110,47 +108,47 @@ class OffsetFilter:
 
     @property
     def skew(self) -> float:
-        """By how much the offset grows, a ns for each ns."""
+        """Rate of change of the offset, in ns per ns."""
         return self._mean.skew
 
     @property
     def variance(self) -> float:
-        """Return the variance of the offset, in ns^2."""
+        """Variance of the offset, in ns^2."""
         return self._mean.p00
 
     @property
     def skew_deviation(self) -> float:
-        """Return the standard deviation of the skew."""
+        """Standard deviation of the skew."""
         return math.sqrt(self._mean.p11)
 
     def offset(self, time: int) -> int:
         """Return the offset at a time."""
-        now = self._mean
-        return self._base + round(now.offset + now.skew * (time - self.time))
+        state = self._mean
+        return self._base + round(state.offset + state.skew * (time - self.time))
 
     def predict(self, time: int) -> None:
-        """Go on to a time."""
+        """Extrapolate to a time."""
         elapsed = time - self.time
         self.time = time
-        for state, pace in zip(self._states, self._paces):
-            state.predict(elapsed, pace.skew_walk)
+        for state, model in zip(self._states, self._models):
+            state.predict(elapsed, model.skew_walk)
         self._mean = mean(self._states, self._weights)
 
     def correct(self, innovation: float, variance: float) -> None:
-        """Take a measurement of the offset at the present time, as its difference to ours."""
+        """Update with a measurement at the present time, given as its difference to the offset."""
         measured = self._mean.offset + innovation
-        self._change_pace()
-        likely = [weight * state.correct(measured, variance)
-                  for weight, state in zip(self._weights, self._states)]
-        self._weights = [value / sum(likely) for value in likely]
+        self._mix()
+        likelihoods = [weight * state.correct(measured, variance)
+                       for weight, state in zip(self._weights, self._states)]
+        self._weights = [value / sum(likelihoods) for value in likelihoods]
         self._mean = mean(self._states, self._weights)
 
-    def _change_pace(self) -> None:
-        """Let each state begin as what may have led to it: its own pace, or the other one."""
+    def _mix(self) -> None:
+        """Mix the states of both models by the probability of a transition between them."""
         if len(self._states) == 1:
             return
         first, second = self._weights
-        leave, enter = (pace.leave for pace in self._paces)
-        ways = [(first * (1 - leave), second * enter), (first * leave, second * (1 - enter))]
-        states, self._weights = self._states, [sum(way) for way in ways]
-        self._states = [mean(states, [part / sum(way) for part in way]) for way in ways]
+        leave, enter = (model.transition_probability for model in self._models)
+        paths = [(first * (1 - leave), second * enter), (first * leave, second * (1 - enter))]
+        states, self._weights = self._states, [sum(path) for path in paths]
+        self._states = [mean(states, [part / sum(path) for part in path]) for path in paths]

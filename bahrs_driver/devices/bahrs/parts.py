@@ -15,6 +15,7 @@ from bahrs_driver.devices.bahrs.health import BahrsHealth
 from bahrs_driver.devices.parts import LivePart, Parts
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import NvmPage
+from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.nvm_reader import NvmReader
@@ -60,7 +61,7 @@ def _clock(settings: Mapping[str, Any]) -> Clock:
     source, latency = settings['time.source'], round(settings['time.fixed_latency'] * NS_PER_S)
     if source == 'arrival':
         return ArrivalStamps(latency)
-    return SampleClock(ClockOptions(
+    return SampleClock(ROLES, ClockOptions(
         source, settings['time.label'], latency,
         round(settings['time.sync_pulse.period'] * NS_PER_S),
         settings['time.sync_pulse.reference'] != ROS_CLOCK))

@@ -45,10 +45,10 @@ def test_missing_pulses_are_counted():
 def test_four_misses_in_a_row_begin_anew():
     """The line may have been cut."""
     tracker = fed((1, 0), (2, 0), (3, 0))
-    assert not tracker.lost(7 * S)
-    assert tracker.lost(8 * S)
+    assert not tracker.check_timeout(7 * S)
+    assert tracker.check_timeout(8 * S)
     assert not tracker.settled and tracker.missing == 4
-    assert not tracker.lost(9 * S)
+    assert not tracker.check_timeout(9 * S)
 
 
 def test_four_misfits_in_a_row_are_the_new_truth():
@@ -62,15 +62,15 @@ def test_four_misfits_in_a_row_are_the_new_truth():
     (10 * S + 16_000_000, 10 * S), (10 * S - 400_000_000, 10 * S), (10 * S, 10 * S)])
 def test_the_nearest_whole_second(about, expected):
     """Of a host that is disciplined by the same receiver."""
-    assert PulseReference(S, told=False).find(about) == expected
+    assert PulseReference(S, external=False).find(about) == expected
 
 
 def test_times_that_are_told():
     """The nearest within half a period, if any."""
-    reference = PulseReference(S, told=True)
+    reference = PulseReference(S, external=True)
     assert reference.find(5 * S) is None
-    reference.tell(4 * S + 250_000_000)
-    reference.tell(5 * S + 250_000_000)
+    reference.add(4 * S + 250_000_000)
+    reference.add(5 * S + 250_000_000)
     assert reference.find(5 * S + 260_000_000) == 5 * S + 250_000_000
     assert reference.find(9 * S) is None
 
@@ -87,10 +87,10 @@ def test_delay_is_a_median():
 def test_a_pulse_that_contradicts_the_bytes_is_not_believed():
     """It would make samples later than their reads: the host is not on the pulses' time."""
     passive, host, pulses = Tracker(), HostClocks(), SyncPulses(True, S, False)
-    host.read(Instant(0, 0))
+    host.observe_read(Instant(0, 0))
     for second in range(1, 6):
         passive.feed(second * S, second * S + 50_000)
-        pulses.take(second * S - 300_000_000)
+        pulses.add(second * S - 300_000_000)
         pulses.update(second * S, passive, host)
-    assert pulses.line is None
+    assert pulses.active_tracker is None
     assert (pulses.tracker.accepted, pulses.tracker.spurious) == (0, 5)

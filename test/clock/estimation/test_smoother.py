@@ -4,10 +4,10 @@
 
 import random
 
-from bahrs_driver.clock import SampleClock
-from bahrs_driver.clock.estimation.rauch import Measurement, smoothed
-from bahrs_driver.clock.estimation.smoother import Survey
-from bahrs_driver.clock.estimation.tracker import Tracker
+from bahrs_driver.clock import ArrivalStamps, ClockOptions, ExchangeClock, SampleClock
+from bahrs_driver.clock.estimation.rts_smoother import Measurement, rts_smooth
+from bahrs_driver.clock.estimation.smoother_input import SmootherInput
+from bahrs_driver.protocol.bahrs.roles import ROLES
 from clock_simulation import Case
 import pytest
 from support.simulated import simulated
@@ -18,11 +18,11 @@ SAMPLE = 5_000_000
 
 def lines(samples):
     """Return what a survey knows of (device time, bound) pairs in the end."""
-    survey = Survey()
-    survey.restart()
+    first_pass = SmootherInput()
+    first_pass.restart()
     for device, bound in samples:
-        survey.feed(device, bound)
-    smooth = survey.lines()
+        first_pass.feed(device, bound)
+    smooth = first_pass.smoothed()
     smooth.restart()
     smooth.feed(*samples[0])
     return smooth
@@ -31,7 +31,7 @@ def lines(samples):
 def test_smoother_of_a_straight_line():
     """Without noise it is found as it is."""
     items = [Measurement(i * S, 1000.0 + 2e-5 * i * S, 100.0) for i in range(50)]
-    for item, (offset, skew) in zip(items, smoothed(items, 1e12)):
+    for item, (offset, skew) in zip(items, rts_smooth(items, 1e12)):
         assert offset == pytest.approx(item.offset, abs=1.0)
         assert skew == pytest.approx(2e-5, abs=1e-8)
 
@@ -40,7 +40,7 @@ def test_smoother_looks_both_ways():
     """It is closer to a noisy line than its measurements, and so is its beginning."""
     source = random.Random(1)
     items = [Measurement(i * S, source.gauss(0, 1e5), 1e10) for i in range(400)]
-    offsets = [offset for offset, _ in smoothed(items, 1e14)]
+    offsets = [offset for offset, _ in rts_smooth(items, 1e14)]
     assert max(map(abs, offsets)) < 5e4
     assert max(map(abs, offsets[:20])) < 5e4
 
@@ -48,7 +48,7 @@ def test_smoother_looks_both_ways():
 def test_smoother_may_jump_where_it_is_told():
     """And nowhere else."""
     items = [Measurement(i * S, 1e6 * (i >= 20), 100.0, 1e14 * (i == 20)) for i in range(40)]
-    for item, (offset, _) in zip(items, smoothed(items, 1e12)):
+    for item, (offset, _) in zip(items, rts_smooth(items, 1e12)):
         assert offset == pytest.approx(item.offset, abs=100.0)
 
 
@@ -61,9 +61,9 @@ def test_smoother_may_jump_where_it_is_told():
         'bad counters', 'drift', 'pause'])
 def test_better_than_live(case):
     """From the first second to the last, in whatever case."""
-    survey = Survey()
-    live = simulated(case, 7, tracker=survey)
-    smooth = simulated(case, 7, tracker=survey.lines())
+    first_pass = SmootherInput()
+    live = simulated(case, 7, estimate=first_pass)
+    smooth = simulated(case, 7, estimate=first_pass.smoothed())
     assert smooth.state.epochs == live.state.epochs
     assert smooth.backward == 0 and smooth.future == 0
     assert len(smooth.errors) >= len(live.errors) - 1
@@ -97,10 +97,17 @@ def test_few_samples():
     assert smooth.started and smooth.host_time(S) == S + 1000
 
 
-def test_a_clock_with_another_tracker_is_new():
-    """And takes the same options."""
-    clock = SampleClock().with_tracker(Tracker())
-    assert clock.state().epochs == 0
+def test_both_passes_use_new_clocks():
+    """With the same options."""
+    smoothing = SampleClock(ROLES, ClockOptions(source='sync_pulse')).smoothing()
+    for clock in (smoothing.first_pass, smoothing.second_pass()):
+        assert clock.state().source == 'sync_pulse' and clock.state().epochs == 0
+
+
+@pytest.mark.parametrize('clock', [ArrivalStamps(), ExchangeClock(8)])
+def test_a_clock_without_an_estimate_needs_one_pass(clock):
+    """Nothing can be smoothed."""
+    assert clock.smoothing() is None
 
 
 @pytest.mark.parametrize('late_us', [100, 250, 500, 3000])
@@ -123,18 +130,18 @@ def test_a_short_epoch_of_late_samples_is_left_again():
 
     The samples in between tell of a clock that runs wild, and what follows is none of theirs.
     """
-    survey, truth = Survey(), 10 ** 12
+    first_pass, truth = SmootherInput(), 10 ** 12
     epochs = [(0, 20_000, 0), (20_000, 21_000, 1_400_000_000), (21_000, 40_000, 700_000_000)]
     samples = []
     for begin, end, late in epochs:
-        survey.restart()
+        first_pass.restart()
         samples.append([])
         for index in range(begin, end):
             # The backlog shrinks within the second one and, at first, within the third.
             left = max(0, late - (index - begin) * 160_000)
             samples[-1].append((index * SAMPLE, index * SAMPLE + truth + left))
-            survey.feed(*samples[-1][-1])
-    smooth = survey.lines()
+            first_pass.feed(*samples[-1][-1])
+    smooth = first_pass.smoothed()
     for epoch in samples:
         smooth.restart()
         smooth.feed(*epoch[0])

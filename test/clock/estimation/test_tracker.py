@@ -5,7 +5,7 @@
 import random
 from statistics import median
 
-from bahrs_driver.clock.estimation.kalman import OffsetFilter, pace
+from bahrs_driver.clock.estimation.kalman import OffsetFilter, process_model
 from bahrs_driver.clock.estimation.tracker import Tracker
 import pytest
 
@@ -122,16 +122,16 @@ def test_filter_loses_nothing_however_long_the_clocks_have_run():
     assert line.offset(10 ** 19) == 3 * 10 ** 19 + 1
 
 
-STEADY, WARMING = pace(0.03, leave=0.002), pace(0.5, leave=0.05)
+STEADY, WARMING = process_model(0.03, 0.002), process_model(0.5, 0.05)
 
 
-def paced(paces):
+def filter_errors(*models):
     """
     Return how wrong a filter was: in ppm with a steady clock, then in us with a warming one.
 
     It is told the offset every half second, 25 us off.
     """
-    source, line = random.Random(5), OffsetFilter(0, 0, 200_000.0, paces=paces)
+    source, line = random.Random(5), OffsetFilter(0, 0, 200_000.0, models=models)
     truth, skew, skew_errors, offset_errors = 0.0, 0.0, [], []
     step = 500_000_000
     for index in range(1, 1601):
@@ -148,9 +148,10 @@ def paced(paces):
     return median(skew_errors), median(offset_errors)
 
 
-def test_two_paces_are_as_good_as_the_better_one():
+def test_two_models_are_as_good_as_the_better_one():
     """With a steady clock a long memory is, while it warms up a short one."""
-    steady, warming, both = paced((STEADY,)), paced((WARMING,)), paced((STEADY, WARMING))
+    steady, warming, both = (
+        filter_errors(*models) for models in ((STEADY,), (WARMING,), (STEADY, WARMING)))
     assert steady[0] < warming[0] / 3 and warming[1] < steady[1] / 3
     assert both[0] < 2 * steady[0] and both[1] < 1.2 * warming[1]
 
