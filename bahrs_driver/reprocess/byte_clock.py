@@ -111,7 +111,8 @@ class ByteClock:
     def _sample(self, count: int, again: bool = False) -> int:
         """Return the stamp of a sample, which may have been stamped already."""
         if not again or count != self._count:
-            self._count, self._stamp = count, self._slewer.stamp_arrival(self._times.ros_time(count))
+            self._count = count
+            self._stamp = self._slewer.stamp_arrival(self._times.ros_time(count))
         return self._stamp
 
     def _point(self, device: int, same: int = 0) -> int | None:

@@ -14,8 +14,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from bahrs_driver.clock.counter import CountedSequence
-from bahrs_driver.clock.time_reference import Label, TimeReferenceConvention
 from bahrs_driver.clock.navigation import NavigationCounter, PER_NAVIGATION
+from bahrs_driver.clock.time_reference import Label, TimeReferenceConvention
 from bahrs_driver.protocol.bahrs.messages import (
     Inertial, InertialTime, Navigation, NavigationTime, SoftwareVersion, TimeMessage,
 )

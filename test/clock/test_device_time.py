@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the time reference, the timeline and the verdicts on time messages, with literal numbers."""
+"""Tests of the reference, timeline and verdict of time messages, with literal numbers."""
 
 from bahrs_driver.clock.counter import PERIOD
 from bahrs_driver.clock.device_time import DeviceTime, Verdict

@@ -180,7 +180,7 @@ class Tracker:
             self._accept(kalman, measured, variance)
 
     def _handle_early(self, kalman: OffsetFilter, lowest: float, second: float, gate: float,
-                       variance: float) -> None:
+                      variance: float) -> None:
         if second < -gate:
             self._jump(kalman, lowest)
             return
