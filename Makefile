@@ -22,7 +22,7 @@ help:
 	@echo 'make bench    what a frame costs, with its floor'
 	@echo 'make bench-clock   how far stamps are from the truth; twenty minutes'
 	@echo 'make bench-exits   how long the node takes to end after a signal; fifteen minutes'
-	@echo 'make docs     write the tables of the README from the code'
+	@echo 'make docs     generate the tables of the README and the parameter files'
 	@echo 'make build    build with colcon into install/'
 	@echo 'make setup    make .venv'
 	@echo 'make clean    remove what was made'
@@ -59,6 +59,7 @@ lint: $(READY)
 
 docs: $(READY)
 	$(BIN)/python tools/readme_tables.py
+	$(BIN)/python tools/parameter_files.py
 
 bench: $(READY)
 	$(BIN)/python bench/protocol.py

@@ -17,14 +17,13 @@ import time
 import zlib
 
 from bahrs_driver.cli.main import main as emulator
-from bahrs_driver.devices import bahrs
+from bahrs_driver.devices.bahrs.settings import BahrsSettings
+from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import Accuracy, Inertial, InertialTime, Navigation
 from bahrs_driver.protocol.batch import Batch
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.settings.table import PARAMETERS
-from bahrs_driver.transport.link import Link
 
 SECONDS = 60            # of the device's stream
 RUNS = 5
@@ -83,12 +82,11 @@ def main() -> None:
     found, codec = framing(), BahrsCodec()
     assert len(found) == len(pieces)
     messages = [codec.decode(frame) for frame in found]
-    sensor = bahrs({parameter.name: parameter.default for parameter in PARAMETERS},
-                   Link('loop://', 115200))
+    parts = DEVICES['bahrs'].parts(BahrsSettings())
 
     def convert() -> None:
         for index, message in enumerate(messages):
-            for _ in sensor.converter.convert(message, index):
+            for _ in parts.converter.convert(message, index):
                 pass
 
     def emulate() -> None:

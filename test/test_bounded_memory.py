@@ -17,7 +17,7 @@ import tracemalloc
 
 from bahrs_driver.bag.message_queue import OVERHEAD, Taken, TakenQueue
 from bahrs_driver.clock import Instant
-from bahrs_driver.devices.registry import DEVICES, recognize
+from bahrs_driver.devices.registry import recognize
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.diagnostics.updater import Updater
@@ -26,10 +26,10 @@ from bahrs_driver.protocol.bahrs.frames import build_frame
 from bahrs_driver.protocol.bahrs.messages import layouts
 from bahrs_driver.protocol.titan_m.frames import ANSWER_MARKER, checksum, CHECKSUM_ORDERS
 from bahrs_driver.protocol.titan_m.messages import ANSWERS, PAYLOAD_SIZES
-from bahrs_driver.settings.table import defaults
 from bahrs_driver.transport.link import Link, Reading
 from bahrs_driver.transport.receiver import LinkCounters
 import pytest
+from support.settings_examples import parts_of
 
 MS, SECOND = 1_000_000, 1_000_000_000
 CHUNKS = 900
@@ -44,7 +44,7 @@ class Driver:
 
     def __init__(self, sensor_name):
         self.link = Link('loop://', 115200)
-        self.sensor = sensor = DEVICES[sensor_name].parts({**defaults(), 'sensor': sensor_name})
+        self.sensor = sensor = parts_of(sensor_name)
         self.live = sensor.live(self.link)
         self.counters, self.time_task = LinkCounters(), TimeTask(sensor.clock, sensor.health.stale)
         self.now = 0.0

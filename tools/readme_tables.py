@@ -7,14 +7,13 @@ from pathlib import Path
 import re
 import sys
 
-from bahrs_driver.devices.registry import all_topics, DEVICES
+from bahrs_driver.devices.registry import all_topics, DEVICES, parameter_table
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.link_task import LinkTask
 from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.task import DiagnosticTask
 from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.settings.parameter import Parameter
-from bahrs_driver.settings.table import defaults, PARAMETERS
 from bahrs_driver.transport.link import Link
 
 README = Path(__file__).resolve().parents[1] / 'README.md'
@@ -66,23 +65,23 @@ def diagnostics_table() -> str:
 def _tasks() -> Iterable[type[DiagnosticTask]]:
     """Return the tasks of all devices, each class once."""
     tasks: list[type[DiagnosticTask]] = [LinkTask, FramingTask, TimeTask]
-    for name, spec in DEVICES.items():
-        parts = spec.parts({**defaults(), 'sensor': name})
+    for spec in DEVICES.values():
+        parts = spec.parts(spec.settings())
         tasks += map(type, [*parts.health.tasks, *parts.live(Link('/dev/null', 115200)).tasks])
     return dict.fromkeys([*tasks, PublishingTask])
 
 
-def parameter_table() -> str:
+def parameters_table() -> str:
     """Return the parameters as a Markdown table."""
     rows = ['| parameter | default | valid | what it is |', '|---|---|---|---|']
     rows += [f'| `{parameter.name}` | {_default(parameter)} | {_valid(parameter)} '
-             f'| {parameter.description} |' for parameter in PARAMETERS]
+             f'| {parameter.description} |' for parameter in parameter_table()]
     return '\n'.join(rows)
 
 
 def with_tables(text: str) -> str:
     """Return the README with its tables generated again."""
-    tables = {'parameters': parameter_table, 'diagnostics': diagnostics_table}
+    tables = {'parameters': parameters_table, 'diagnostics': diagnostics_table}
     pattern = re.compile(rf'(<!-- ({"|".join(tables)}) -->\n).*?(<!-- end -->)', re.DOTALL)
     return pattern.sub(lambda match: match[1] + tables[match[2]]() + '\n' + match[3], text)
 

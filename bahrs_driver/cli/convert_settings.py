@@ -1,44 +1,46 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The parameters of the driver for a conversion, from the options -p NAME:=VALUE."""
+"""The settings of a conversion, from the options -p NAME:=VALUE."""
 
 import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 import contextlib
-from typing import Any
 
-from bahrs_driver.devices.registry import DEVICES
+from bahrs_driver.devices.registry import parameter_table
+from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.errors import CommandError
 from bahrs_driver.process.printable import printable
-from bahrs_driver.settings.table import BY_NAME, defaults
-from bahrs_driver.settings.unused import unknown_parameter, unused_parameters
+from bahrs_driver.settings.group import parameters
+from bahrs_driver.settings.table import ParameterTable, SENSOR, unknown_parameter
 import yaml
 
-# Names, and beginnings of names, of what only a driver with a port has.
+# Names, and beginnings of names, of parameters that only a driver with a port uses.
 LIVE_ONLY = ('port', 'publish.raw', 'nvm.', 'startup.', 'diagnostics.qualified_name')
 
 
-def read_settings(rules: Sequence[str], sensor: str) -> tuple[Mapping[str, Any], list[str]]:
+def read_settings(rules: Sequence[str], sensor: str) -> tuple[CommonSettings, list[str]]:
     """
-    Return the values of all parameters, and sentences about rules that change nothing.
+    Return the settings for a recording, and sentences about rules that change nothing.
 
     CommandError and ParameterError say what is wrong with a rule.
     """
-    fixed = {'sensor': sensor, **DEVICES[sensor].recorded_settings}
-    settings = {**defaults(), **fixed}
-    given: dict[str, Any] = {}
-    notes: list[str] = []
+    table = parameter_table()
+    given: dict[str, object] = {}
+    rule_of: dict[str, str] = {}
     for rule in rules:
-        name, value = _parse(rule)
-        parameter = BY_NAME[name]
-        settings[name] = parameter.convert(value)
-        if name in fixed and settings[name] != fixed[name]:
-            raise CommandError(f'-p {printable(rule)}: ' + (
-                f'write --sensor {settings[name]} instead' if name == 'sensor' else
-                'it can only be 0, for nothing is asked of what was recorded'))
+        name, value = _parse(rule, table)
         given[name] = value
-        notes += filter(None, [parameter.correction(value)])
-    unused = [*unused_parameters(given, settings),
+        rule_of[name] = printable(rule)
+    values = table.values({SENSOR: sensor, **given})
+    if values[SENSOR] != sensor:
+        raise CommandError(f'-p {rule_of[SENSOR]}: write --sensor {values[SENSOR]} instead')
+    settings = table.settings(values)[1].for_recording()
+    for row in parameters(settings):
+        if row.name in given and values[row.name] != row.default:
+            raise CommandError(f'-p {rule_of[row.name]}: it can only be 0, for nothing is asked '
+                               'of what was recorded')
+    notes = [note for name in given if (note := table.by_name[name].correction(given[name]))]
+    unused = [*table.unused(given, sensor, settings),
               *(f'{name} (it is for a port)' for name in given if name.startswith(LIVE_ONLY))]
     if unused:
         notes.append(f'settings without effect: {"; ".join(unused)}')
@@ -57,21 +59,21 @@ def unused_options(options: argparse.Namespace, timed: bool) -> list[str]:
     return [f'options without effect: {"; ".join(unused)}'] if unused else []
 
 
-def _parse(rule: str) -> tuple[str, Any]:
+def _parse(rule: str, table: ParameterTable[CommonSettings]) -> tuple[str, object]:
     """Return the name and the value of a rule; CommandError if it is none."""
     name, _, text = rule.partition(':=')
     if not name or not text:
         raise CommandError(f'-p {printable(rule)}: it must be NAME:=VALUE, of a parameter of the '
                            'driver')
-    if name not in BY_NAME:
-        raise CommandError(f'-p {printable(rule)}: {unknown_parameter(name, list(BY_NAME))}')
+    if name not in table.by_name:
+        raise CommandError(f'-p {printable(rule)}: {unknown_parameter(name, table.by_name)}')
     try:
-        value = yaml.safe_load(text)
+        value: object = yaml.safe_load(text)
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise CommandError(f'-p {printable(rule)}: {printable(repr(text))} is no value of YAML: '
                            'put quotes around a text that has brackets or colons') from error
-    # As rcl reads it: 1e-5 is a number, and nothing but [] is no value.
-    if isinstance(value, str) and isinstance(BY_NAME[name].default, float):
+    # As rcl reads it: 1e-5 is a number, and only [] is no value.
+    if isinstance(value, str) and isinstance(table.by_name[name].default, float):
         with contextlib.suppress(ValueError):
             value = float(text)
     return name, text if value is None else value

@@ -9,7 +9,7 @@ port of a live stream beyond reading it.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 from bahrs_driver.clock import Clock
 from bahrs_driver.diagnostics.stream_health import StreamHealth
@@ -66,6 +66,7 @@ class Parts:
     warnings: Sequence[str] = ()                    # about the settings
     take_notices: Callable[[], list[str]] = list    # about the data, since the last call
     live: Callable[[Link], LivePart] = _no_live_part
+    time_label: Literal['auto', 'next', 'same'] = 'auto'    # convention of its time messages
     pulse_topic: str = ''                           # with the times of sync pulses, if any
     # Topics that services of the node publish, regenerated from a recording.
     service_topics: Mapping[str, type] = field(default_factory=dict)

@@ -6,12 +6,19 @@ from collections.abc import Callable
 from typing import Any
 
 from bahrs_driver.devices.bahrs.spec import BahrsSpec
-from bahrs_driver.devices.spec import DeviceSpec
+from bahrs_driver.devices.settings import CommonSettings
+from bahrs_driver.devices.spec import AnyDevice
 from bahrs_driver.devices.titan_m.spec import TitanSpec
 from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.settings.table import ParameterTable
 
-DEVICES: dict[str, DeviceSpec] = {spec.name: spec for spec in (BahrsSpec(), TitanSpec())}
+DEVICES: dict[str, AnyDevice] = {spec.name: spec for spec in (BahrsSpec(), TitanSpec())}
 DEFAULT = 'bahrs'
+
+
+def parameter_table() -> ParameterTable[CommonSettings]:
+    """Return the parameters of all devices."""
+    return ParameterTable({name: spec.settings for name, spec in DEVICES.items()})
 
 
 def all_topics() -> dict[str, type]:

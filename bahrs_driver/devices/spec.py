@@ -9,21 +9,23 @@ something of ROS: `bahrs decode` and `bahrs emulate` work without it.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any, ClassVar, TYPE_CHECKING
+from typing import Any, ClassVar, Generic, TYPE_CHECKING, TypeVar
 
+from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.protocol.framing import Frame, FrameFormat
 
 if TYPE_CHECKING:
     from bahrs_driver.devices.parts import Parts
 
+Settings = TypeVar('Settings', bound=CommonSettings)
 
-class DeviceSpec(ABC):
+
+class DeviceSpec(ABC, Generic[Settings]):
     """One kind of device."""
 
     name: ClassVar[str]                     # value of the parameter `sensor`
     label: ClassVar[str]                    # name in sentences
-    # Settings that a recording requires: nothing can be requested from it.
-    recorded_settings: ClassVar[Mapping[str, Any]] = {}
+    settings: type[Settings]
     # Requests to write, one after another, to find a device that answers only.
     probe_requests: ClassVar[Sequence[bytes]] = ()
     needs_read_times: ClassVar[bool] = False    # messages hold no time of the device
@@ -53,5 +55,8 @@ class DeviceSpec(ABC):
         return {}
 
     @abstractmethod
-    def parts(self, settings: Mapping[str, Any]) -> 'Parts':
+    def parts(self, settings: Settings) -> 'Parts':
         """Return new parts for one stream."""
+
+
+AnyDevice = DeviceSpec[Any]

@@ -58,7 +58,7 @@ class AtomicFile:
             self._file.flush()
             os.fsync(self._file.fileno())
             self._file.close()
-        # Replacing would remove a device or a link that another program made meanwhile.
+        # Replacing would remove a device or a link that another program has made meanwhile.
         check_target(self._name, self._shown, self._replace, self._directory)
         if self._replace:
             self._rename()
@@ -71,7 +71,7 @@ class AtomicFile:
             raise
 
     def close(self) -> None:
-        """Remove the temporary file unless it was committed."""
+        """Close the file, and remove it unless it was committed."""
         with contextlib.suppress(OSError):      # its last bytes may have no room
             self._file.close()
         if self._temporary is not None:

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The boundary between this package and the file system: what may be written, and why not."""
+"""Check the targets of writing, and explain errors of the file system."""
 
 from collections.abc import Iterator
 import contextlib
@@ -65,7 +65,7 @@ def check_target(name: str, shown: PathLike, replace: bool, directory: int | Non
 
 
 def split_target(path: PathLike) -> tuple[str, str]:
-    """Return the directory and the name of a target; WriteError if it can be none."""
+    """Split a target into directory and name; WriteError if it cannot be a file."""
     parent, name = os.path.split(os.fspath(path))
     if name in ('', os.curdir, os.pardir):
         raise WriteError(f'cannot write {printable(path)}: it is a directory: name a file in it'
@@ -75,7 +75,7 @@ def split_target(path: PathLike) -> tuple[str, str]:
 
 
 def refuse_new_device(path: PathLike) -> None:
-    """Raise WriteError for a new name in /dev, which may be that of a device to be plugged in."""
+    """Raise WriteError for a new name in /dev, where a device may appear under that name."""
     with guard(path):
         where = os.path.join(os.path.realpath(os.path.dirname(path)), '')
         if where.startswith('/dev/') and not where.startswith(SHARED_MEMORY) \
@@ -86,7 +86,7 @@ def refuse_new_device(path: PathLike) -> None:
 
 def named_target(path: PathLike) -> tuple[str, str]:
     """
-    Return the directory and the name of a target that the user named; WriteError if it has none.
+    Split a target of the user into directory and name; WriteError if it cannot be a file.
 
     A symbolic link is followed to the file it leads to.
     """
@@ -106,14 +106,14 @@ def temporary_name() -> str:
 
 
 def sentence(error: Exception, target: PathLike, verb: str = 'write') -> str:
-    """Return the sentence for an exception that was raised while a target was written."""
+    """Return a sentence about an exception that was raised while a target was written."""
     if isinstance(error, WriteError):
         return str(error)
     return f'cannot {verb} {printable(target)}: {reason(error)}'
 
 
 def reason(error: Exception) -> str:
-    """Return why something could not be written, with the remedy."""
+    """Return the reason of an exception, with the remedy."""
     if isinstance(error, OSError):
         remedy = REMEDIES.get(error.errno or 0)
         return printable(error.strerror or error) + (f': {remedy}' if remedy else '')

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Text files that others read while they are written."""
+"""Text files that other programs read while they grow."""
 
 import os
 import stat
@@ -9,7 +9,7 @@ from bahrs_driver.errors import WriteError
 from bahrs_driver.files.guard import already_exists, check_target, guard, named_target, PathLike
 from bahrs_driver.process.printable import printable
 
-# A FIFO that was put in place of the file a moment ago must not block.
+# A FIFO that has just replaced the file must not block.
 _HOW = os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
 _MODE = 0o666               # less what the umask takes
 
@@ -40,11 +40,11 @@ class LiveFile:
             self._file.write(text)
 
     def flush(self) -> None:
-        """Let others see what was written."""
+        """Make the text visible to other programs."""
         with guard(self._path):
             self._file.flush()
 
     def close(self) -> None:
-        """Write the rest, and close."""
+        """Flush and close the file."""
         with guard(self._path):
             self._file.close()

@@ -16,7 +16,7 @@ from bahrs_driver.files.guard import (
 @contextlib.contextmanager
 def new_directory(target: PathLike) -> Iterator[Path]:
     """
-    Yield a path to make a directory at; it becomes the target when the block ends.
+    Yield the path of a directory to create; it is renamed to the target when the block ends.
 
     If the block raises, nothing remains. WriteError if the target exists, before or after, or
     cannot be made. Parent directories are created when missing.
@@ -51,7 +51,7 @@ def _missing(parent: str) -> list[str]:
 
 
 def _remove_empty(directory: str) -> None:
-    with contextlib.suppress(OSError):      # others have put something there
+    with contextlib.suppress(OSError):      # another program has written into it
         os.rmdir(directory)
 
 

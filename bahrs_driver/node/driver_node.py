@@ -10,7 +10,8 @@ from typing import Any
 
 from bahrs_driver.bag.read_metadata import Origin
 from bahrs_driver.convert import raw, ros
-from bahrs_driver.devices.registry import DEVICES, recognize
+from bahrs_driver.devices.registry import DEVICES, parameter_table, recognize
+from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.link_task import LinkTask
 from bahrs_driver.diagnostics.names import node_label
@@ -29,6 +30,7 @@ from bahrs_driver.node.subscriber_gate import SubscriberGate
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.node_settings import NodeSettings
+from bahrs_driver.settings.parameter_node import ParameterNode
 from bahrs_driver.settings.parameter_requests import ParameterRequests
 from bahrs_driver.transport.link import Link, Reading
 from bahrs_driver.transport.receiver import Received, Receiver
@@ -36,7 +38,6 @@ from diagnostic_msgs.msg import DiagnosticArray
 from diagnostic_msgs.srv import SelfTest
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import NameValidationException
-from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
@@ -49,22 +50,21 @@ DIAGNOSTICS_PERIOD = 1.0        # s
 WATCH_PERIOD = 0.1              # s, for what changes because nothing comes
 
 
-class DriverNode(Node):
+class DriverNode(ParameterNode):
     """Publishes the messages of a sensor on a serial port, and diagnostics."""
 
     def __init__(self) -> None:
         """Read the parameters and make the parts; ParameterError if one is bad."""
         arguments = RosArguments.from_words(sys.argv)
-        super().__init__('bahrs_driver', cli_args=arguments.node_arguments(),
-                         start_parameter_services=False)
+        super().__init__(arguments)
         self._log = self.get_logger()  # type: ignore[no-untyped-call]
         self.faults = FaultLog(self._log.error, self._log.debug)
-        given = NodeSettings(self, arguments)
-        settings = given.values
-        self._parameter_requests = ParameterRequests(self, settings)
+        given = NodeSettings(self, arguments, parameter_table())
+        settings = given.settings
+        ParameterRequests(self, given)
         keep_host_time(self)
         self._link = _link(settings)
-        self._spec = spec = DEVICES[settings['sensor']]
+        self._spec = spec = DEVICES[given.sensor]
         self._parts = parts = spec.parts(settings)
         self._live = live = parts.live(self._link)
         self.receiver = Receiver(self._link, parts.framer, live.requester or parts.codec,
@@ -76,7 +76,7 @@ class DriverNode(Node):
                                        parts.framer.counters, parts.health.lost))
         self._updater = self._make_updater(settings)
         self._problems = self._make_problem_log()
-        self._gate = SubscriberGate(settings['startup.wait_for_subscribers'])
+        self._gate = SubscriberGate(settings.startup.wait_for_subscribers)
         self._reporting = Lock()        # or an older report could overtake a newer one
         self._latched = {topic: create_latched(self, message_type, topic, self._publisher)
                          for topic, message_type in spec.topics().items()
@@ -85,7 +85,7 @@ class DriverNode(Node):
                       for topic, message_type in spec.topics().items()}
         self._byte_ns = 0
         self._raw = None
-        if settings['publish.raw']:
+        if settings.publish.raw:
             self._raw = self._publisher(UInt8MultiArray, raw.TOPIC)
         self._diagnostics = self._publisher(DiagnosticArray, '/diagnostics')
         if parts.pulse_topic:
@@ -94,8 +94,7 @@ class DriverNode(Node):
         self.create_timer(DIAGNOSTICS_PERIOD, self._report, clock=steady)
         self.create_timer(WATCH_PERIOD, self._watch, clock=steady)
         self.create_service(SelfTest, '~/self_test', self._self_test)
-        if live.nvm:
-            self._nvm_services = NvmServices(self, live.nvm, self.faults)
+        self._nvm_services = NvmServices(self, live.nvm, self.faults) if live.nvm else None
         for sentence in (*given.warnings(), *parts.warnings):
             self._log.warning(sentence)
 
@@ -122,6 +121,8 @@ class DriverNode(Node):
         """Leave diagnostics mode if the driver entered it."""
         if self._live.nvm:
             self._live.nvm.end('the driver is ending')
+        if self._nvm_services:
+            self._nvm_services.wait()
 
     def link_opened(self) -> None:
         """Begin another stream."""
@@ -239,18 +240,18 @@ class DriverNode(Node):
         return answer(self._updater.summaries(), self._updater.hardware_id,
                       self._parts.health.device_id(), response)
 
-    def _make_updater(self, settings: Mapping[str, Any]) -> Updater:
+    def _make_updater(self, settings: CommonSettings) -> Updater:
         spec, parts, counters = self._spec, self._parts, self.receiver.counters
         tasks: list[DiagnosticTask] = [
             self._link_task,
             FramingTask(parts.framer, counters, self._link.baud_rate, spec.name,
-                        parts.protocol, recognize, settings['diagnostics.damaged_share']),
+                        parts.protocol, recognize, settings.diagnostics.damaged_share),
             self._time_task,
             *parts.health.tasks,
             *self._live.tasks,
             PublishingTask(self._counts, parts.silence_timeout, spec.latched(), self.faults)]
         return Updater(tasks, node_label(self.get_name(), self.get_namespace(),
-                                         settings['diagnostics.qualified_name']),
+                                         settings.diagnostics.qualified_name),
                        self._link.name, faults=self.faults)
 
     def _make_problem_log(self) -> ProblemLog:
@@ -267,8 +268,8 @@ class DriverNode(Node):
             qos_overriding_options=QoSOverridingOptions.with_default_policies())
 
 
-def _link(settings: Mapping[str, Any]) -> Link:
+def _link(settings: CommonSettings) -> Link:
     try:
-        return Link(settings['port'], settings['baud_rate'])
+        return Link(settings.port, settings.baud_rate)
     except ValueError as error:
-        raise ParameterError(f"parameter port is {settings['port']!r}: {error}") from error
+        raise ParameterError(f'parameter port is {settings.port!r}: {error}') from error

@@ -1,20 +1,20 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Publish states so that a late joiner gets the present one and no live subscriber loses a change.
+Publish the latest state to late subscribers, and every change to the others.
 
-A transient-local publisher sends its whole history to a late joiner, oldest first. Only a history
-of one message makes the present state the first one that it gets. But with keep last 1 Fast DDS
-replaces a message also while a subscriber has not acknowledged it, and if that subscriber has
-missed it, in a process that was stopped or on a lossy network, it is gone.
+A transient-local publisher sends its whole history to a late subscriber, oldest first. Only a
+history of one message makes the latest state the first one that it receives. But with keep last 1
+Fast DDS replaces a message even if a subscriber has not acknowledged it. A subscriber that has
+missed it, in a stopped process or on a lossy network, never receives it.
 
-So a change waits until the one before is acknowledged, which takes some 6 ms on one machine. If a
-subscriber does not acknowledge for PATIENCE, all changes go to a second, deep publisher of the
-same topic, so that other subscribers need not wait. It keeps them in order for the one that lags.
-When everything is acknowledged, the present state is published once more on the first publisher,
-and the second one is destroyed. A late joiner in that time may get older states first.
+So a change waits until the previous one is acknowledged, which takes some 6 ms on one machine. If
+a subscriber does not acknowledge within PATIENCE, all changes go to a second, deep publisher of
+the same topic: other subscribers need not wait, and the slow one receives all changes in order.
+When all are acknowledged, the latest state is published again on the first publisher, and the
+second one is destroyed. A late subscriber in that time may receive older states first.
 
-An owner who gives the publisher another depth, by qos_overrides, gets an ordinary one.
+With another depth, set by qos_overrides, every state is published at once.
 """
 
 from collections import deque
@@ -29,7 +29,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
 
 PATIENCE = 0.1          # s
-BACKLOG = 100           # changes that are kept for a subscriber that lags
+BACKLOG = 100           # changes that are kept for a slow subscriber
 NO_WAIT = Duration(nanoseconds=0)
 
 
@@ -47,38 +47,38 @@ class LatchedPublisher:
         """
         Use a transient-local publisher of depth 1.
 
-        create returns another one of depth BACKLOG, and destroy destroys that. Unless wait is
-        true, every state is published at once on the first one.
+        create returns another one of depth BACKLOG, and destroy destroys it. If wait is false,
+        every state is published at once on the first one.
         """
         self._latest, self._create, self._destroy = latest, create, destroy
         self._wait, self._clock = wait, clock
         self._lock = Lock()
         self._backlog: Publisher | None = None
         self._waiting: deque[_Waiting] = deque()
-        self._present: Any = None
+        self._latest_state: Any = None
 
     def get_subscription_count(self) -> int:
         """Return the number of matched subscribers."""
         return self._latest.get_subscription_count()
 
     def publish(self, message: Any) -> None:
-        """Publish a state now, or once the one before is acknowledged."""
+        """Publish a state now, or when the previous one is acknowledged."""
         with self._lock:
             self._waiting.append(_Waiting(self._clock(), message))
             self._flush()
 
     def flush(self) -> None:
-        """Publish what waits if it can be published now. Costs nothing if nothing waits."""
+        """Publish waiting states if possible."""
         if self._waiting:
             with self._lock:
                 self._flush()
 
     def supervise(self) -> None:
         """
-        Begin or end to publish for subscribers that lag.
+        Begin or end the backlog for slow subscribers.
 
-        Call it some ten times a second, on the thread that spins the node: publishers are created
-        and destroyed here.
+        Call it some ten times a second in the thread that spins the node: it creates and destroys
+        publishers.
         """
         if not self._waiting and not self._backlog:
             return
@@ -92,18 +92,18 @@ class LatchedPublisher:
 
     def _flush(self) -> None:
         while self._waiting and self._may_publish():
-            self._present = self._waiting.popleft().message
-            (self._backlog or self._latest).publish(self._present)
+            self._latest_state = self._waiting.popleft().message
+            (self._backlog or self._latest).publish(self._latest_state)
 
     def _may_publish(self) -> bool:
         if self._backlog or not self._wait:
             return True
-        # Nothing waits forever, should supervise() not be called.
+        # The queue stays bounded even if supervise() is not called.
         return _acknowledged(self._latest) or len(self._waiting) > BACKLOG
 
     def _end_backlog(self, backlog: Publisher) -> None:
         if _acknowledged(self._latest) and _acknowledged(backlog):
-            self._latest.publish(self._present)
+            self._latest.publish(self._latest_state)
             self._destroy(backlog)
             self._backlog = None
 
@@ -114,7 +114,7 @@ def _acknowledged(publisher: Publisher) -> bool:
 
 def create_latched(node: Node, message_type: type, topic: str,
                    create: Callable[[type, str, QoSProfile], Publisher]) -> LatchedPublisher:
-    """Return a publisher of states on a topic; create applies the user's qos_overrides."""
+    """Create a publisher of states on a topic; create applies the user's qos_overrides."""
     profile, deep = (QoSProfile(depth=depth, durability=DurabilityPolicy.TRANSIENT_LOCAL)
                      for depth in (1, BACKLOG))
     latest = create(message_type, topic, profile)

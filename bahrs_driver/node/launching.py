@@ -1,15 +1,15 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What the launch files of this package describe: one driver node, and its launch arguments.
+The launch description of one driver node and its launch arguments.
 
-A value reaches the node from an argument that is given, else from the parameter file, else it is
-the default of the driver: an argument that is not given passes nothing on.
+A value of the node comes from a given argument, else from the parameter file, else it is the
+default of the driver: an omitted argument passes nothing on.
 
-Launch keeps arguments in the scope of the including file, and the next file that is included
-there finds them. So everything here happens in a scope of its own, and a value that an earlier
-include of ours has used is marked, so that a later one takes it for not given. For
-other files it stays as it was. A namespace for several drivers is given to each include.
+Launch keeps arguments in the scope of the including file, where the next included file finds them.
+So the description has a scope of its own, and marks a value that an earlier include of this
+package has used: a later include ignores it. For other files it does not change. A namespace for
+several drivers is given to each include.
 """
 
 from collections.abc import Iterator
@@ -27,11 +27,11 @@ ARGUMENTS = ('port', 'name', 'namespace', 'params_file')
 
 
 class UsedValue(str):
-    """The value of an argument that was given to an earlier include of one of our files."""
+    """The value of an argument that was given to an earlier include of this package."""
 
 
 def describe_driver(config: str, sensor: str = '') -> LaunchDescription:
-    """Return a driver with a parameter file of this package, and a sensor if it is named."""
+    """Describe a driver with a parameter file of this package and, if given, its sensor."""
     share = FindPackageShare(PACKAGE)
     return LaunchDescription([
         GroupAction([
@@ -55,20 +55,20 @@ def describe_driver(config: str, sensor: str = '') -> LaunchDescription:
 def _start_node(context: LaunchContext, sensor: str) -> list[LaunchDescriptionEntity]:
     values = {name: str(context.launch_configurations[name]) for name in ARGUMENTS}
     file = Path(values['params_file']).expanduser()
-    if not file.is_file():          # launch_ros would go on without it
+    if not file.is_file():          # launch_ros would continue without it
         raise FileNotFoundError(f"params_file:={values['params_file']} is not a file")
     given = {'sensor': sensor, 'port': values['port']}
     return [Node(
         package=PACKAGE, executable='driver_node', output='screen',
         name=values['name'], namespace=values['namespace'],
-        # Rules on the command line: they beat whatever name the file has for the node.
+        # Rules on the command line override the file, whatever node name it has.
         parameters=[str(file),
                     *(Parameter(name, value, value_type=str)
                       for name, value in given.items() if value)])]
 
 
 def _drop_used_values(context: LaunchContext) -> list[LaunchDescriptionEntity]:
-    """Forget, within the scope, what was given to an earlier include."""
+    """Remove the values for an earlier include from the scope."""
     return [_dropped(context, name) for name in _used_names(context)]
 
 
@@ -84,7 +84,7 @@ def _used_names(context: LaunchContext) -> Iterator[str]:
 
 
 def _mark_used_values(context: LaunchContext) -> None:
-    """Mark what is left in the scope of the including file."""
+    """Mark the values in the scope of the including file."""
     values = context.launch_configurations
     for name in ARGUMENTS:
         if name in values:

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command `driver_node`: it handles signals before its imports, which take a second or two."""
+"""The command `driver_node`. It handles signals before its imports, which take a second."""
 
 import sys
 from typing import NoReturn
@@ -12,7 +12,7 @@ from bahrs_driver.ros.start import check_import, missing_module
 
 
 def main() -> NoReturn:
-    """Run the node until a signal ends it; exit with status 0, or 1 if it cannot start."""
+    """Run the node until a signal; exit with status 0, or 1 if it cannot start."""
     replace_closed_streams()
     shutdown = ShutdownEvent()
     shutdown.install_signal_handlers()

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Where the service ~/nvm/dump may write.
+The file that the service ~/nvm/dump writes.
 
-Every node on the ROS graph can set nvm.dump_path and call the service. So it names a regular file
-inside a directory that is fixed when the driver starts.
+Every node on the ROS graph can set nvm.dump_path and call the service. So the path must name a
+regular file inside a directory that is fixed when the driver starts.
 """
 
 from collections.abc import Iterator
@@ -20,10 +20,10 @@ from bahrs_driver.files.guard import guard
 @contextlib.contextmanager
 def dump_file(directory: str, path: str) -> Iterator[tuple[str, AtomicFile]]:
     """
-    Yield the path of a dump, and the file to write it to and to commit.
+    Yield the path of a dump and the file, to be written and committed.
 
-    The directory is made when missing, and a path that is not absolute is relative to it. A
-    regular file is replaced. WriteError names the parameter and the reason.
+    A missing directory is created, and a path that is not absolute is relative to it. A regular
+    file is replaced. WriteError names the parameter and the reason.
     """
     with _parameter('nvm.directory'):
         root = os.path.abspath(_expanded(directory))

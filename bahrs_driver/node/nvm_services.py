@@ -3,51 +3,75 @@
 """
 The services that read the non-volatile memory: ~/nvm/read_page, ~/nvm/dump, ~/nvm/cancel.
 
-They are std_srvs/Trigger, and answer JSON. A session takes seconds, so they have a callback group
-of their own, each call runs in a thread of the executor, and nothing else waits. The parameters
-nvm.* are read at each call.
+They are std_srvs/Trigger and respond with JSON. A session takes seconds, so each request runs in a
+thread, and its callback is a coroutine that waits for the result: the executor runs other
+callbacks meanwhile. The parameters nvm.* are read at each request.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Coroutine, Iterable
+from concurrent import futures
 import hashlib
 import json
-from typing import Any
 
 from bahrs_driver.convert.bahrs import nvm_page
 from bahrs_driver.errors import NvmError, WriteError
 from bahrs_driver.node.nvm_dump import dump_file
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.protocol.bahrs.nvm_session import PAGES
+from bahrs_driver.settings.node_settings import read_group
+from bahrs_driver.settings.nvm import Nvm
 from bahrs_driver.transport.nvm_reader import NvmReader, SessionOptions
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.task import Future
 from std_msgs.msg import UInt8MultiArray
 from std_srvs.srv import Trigger
 
-Answer = dict[str, Any]
+THREADS = 3                 # a session, a request that it refuses, and one that cancels it
+
+Content = dict[str, str | int | bool]
+Callback = Callable[[Trigger.Request, Trigger.Response],
+                    Coroutine[object, object, Trigger.Response]]
 
 
 class NvmServices:
-    """Answers requests for pages, and publishes every page that was read."""
+    """Responds to requests for pages, and publishes every page that was read."""
 
     def __init__(self, node: Node, reader: NvmReader, faults: FaultLog) -> None:
+        """Create the services and the topic `nvm/page` on a node that has the nvm parameters."""
         self._node = node
         self._reader = reader
         self._faults = faults
         self._pages = node.create_publisher(
             UInt8MultiArray, nvm_page.TOPIC, PAGES,
             qos_overriding_options=QoSOverridingOptions.with_default_policies())
+        self._pool = futures.ThreadPoolExecutor(THREADS, thread_name_prefix='nvm')
+        self._under_way: set[futures.Future[None]] = set()
         group = ReentrantCallbackGroup()
         for name, action in (('read_page', self._read_page), ('dump', self._dump),
                              ('cancel', self._cancel)):
-            node.create_service(Trigger, f'~/nvm/{name}', self._answering(action),
+            node.create_service(Trigger, f'~/nvm/{name}', self._callback(action),
                                 callback_group=group)
 
-    def _answering(self, action: Callable[[], Answer]
-                   ) -> Callable[[Trigger.Request, Trigger.Response], Trigger.Response]:
-        """Return the callback of a service that answers whatever the action raises."""
-        def callback(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def wait(self) -> None:
+        """Wait until no request is under way. Begin no session any more before."""
+        futures.wait(list(self._under_way))
+
+    def _callback(self, action: Callable[[], Content]) -> Callback:
+        async def callback(_request: Trigger.Request,
+                           response: Trigger.Response) -> Trigger.Response:
+            content = await self._run_in_thread(action)
+            response.success = 'error' not in content
+            response.message = json.dumps(content)
+            return response
+        return callback
+
+    def _run_in_thread(self, action: Callable[[], Content]) -> Future:
+        """Return the future content of a response, whatever the action raises."""
+        result = Future()
+
+        def run() -> None:
             try:
                 content = action()
             except (NvmError, WriteError) as error:
@@ -55,40 +79,45 @@ class NvmServices:
             except Exception as error:
                 self._faults.report('an NVM service', error)
                 content = {'error': f'the request failed: {self._faults.last}'}
-            response.success = 'error' not in content
-            response.message = json.dumps(content)
-            return response
-        return callback
+            result.set_result(content)
+            if self._node.executor:
+                self._node.executor.wake()
 
-    def _read_page(self) -> Answer:
-        page = self._value('nvm.page')
+        request = self._pool.submit(run)
+        self._under_way.add(request)
+        request.add_done_callback(self._under_way.discard)
+        return result
+
+    def _read_page(self) -> Content:
+        page = self._settings().page
         try:
             return {'page': page, 'data': self._read([page]).hex()}
         except NvmError as error:
             return {'error': str(error), 'page': page}
 
-    def _dump(self) -> Answer:
-        # The file first: what is wrong with it is found out before the stream is stopped.
-        with dump_file(self._value('nvm.directory'), self._value('nvm.dump_path')) as (path, file):
+    def _dump(self) -> Content:
+        settings = self._settings()
+        # The file first: its problems are reported before the stream is stopped.
+        with dump_file(settings.directory, settings.dump_path) as (path, file):
             image = self._read(range(PAGES))
             file.write(image)
             file.commit()
         return {'path': path, 'bytes': len(image), 'sha256': hashlib.sha256(image).hexdigest()}
 
-    def _cancel(self) -> Answer:
+    def _cancel(self) -> Content:
         if self._reader.cancel():
             return {'cancelled': True}
         return {'error': 'no NVM request is under way'}
 
     def _read(self, wanted: Iterable[int]) -> bytes:
         wanted = list(wanted)
-        options = SessionOptions(self._value('nvm.enter_timeout'),
-                                 self._value('nvm.service_frames'))
+        settings = self._settings()
+        options = SessionOptions(settings.enter_timeout, settings.service_frames)
         pages = self._reader.read(wanted, options, self._publish)
         return b''.join(pages[number] for number in wanted)
 
     def _publish(self, number: int, page: bytes) -> None:
         self._pages.publish(nvm_page.message(number, page))
 
-    def _value(self, name: str) -> Any:
-        return self._node.get_parameter(name).value
+    def _settings(self) -> Nvm:
+        return read_group(self._node, Nvm, 'nvm.')

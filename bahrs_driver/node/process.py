@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The process of the node: its threads, and how they start, survive faults and end."""
+"""Run the node in a process: start its threads, restart them after faults, and end them."""
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -12,16 +12,15 @@ from bahrs_driver.node.driver_node import DriverNode
 from bahrs_driver.process.exit_timer import exit_after
 from bahrs_driver.process.printable import printable
 from bahrs_driver.process.shutdown_event import end_process, EXIT_TIME, ShutdownEvent
-from bahrs_driver.ros.executor import DrainingExecutor
+from bahrs_driver.ros.executor import StoppableExecutor
 from bahrs_driver.ros.start import init_ros, start_errors
 from bahrs_driver.settings.command_line import RosArguments, split
 from bahrs_driver.settings.parameter_files import is_pipe
 import rclpy
 from rclpy.utilities import remove_ros_args
 
-SERVICE_THREADS = 3         # so that a service that takes long holds up nothing
-RESTART_PERIOD = 1.0        # s, before a thread that failed begins again
-SET_BACK = 0.1              # s by which the host clock was set back, from which on it matters
+RESTART_PERIOD = 1.0        # s before a failed thread runs again
+SET_BACK = 0.1              # s; setting the host clock back by more can hang the exit
 
 
 def run(shutdown: ShutdownEvent) -> int:
@@ -55,15 +54,13 @@ def _start() -> DriverNode:
     return node
 
 
-def _run_node(node: DriverNode, shutdown: ShutdownEvent) -> DrainingExecutor:
+def _run_node(node: DriverNode, shutdown: ShutdownEvent) -> StoppableExecutor:
     """
     Run the node's threads and the executor until the shutdown event is set.
 
-    The port is closed and spinning has ended before anything of ROS is destroyed. Return the
-    executor, which still has to be shut down.
+    Return the executor, to be shut down after the port is closed and spinning has ended.
     """
-    executor = DrainingExecutor(
-        SERVICE_THREADS, lambda error: node.faults.report('a request or timer', error))
+    executor = StoppableExecutor(lambda error: node.faults.report('a request or timer', error))
     executor.add_node(node)
     with ThreadPoolExecutor(max_workers=len(node.threads) + 1) as pool:
         for name, run_thread in node.threads.items():
@@ -79,7 +76,7 @@ def _run_node(node: DriverNode, shutdown: ShutdownEvent) -> DrainingExecutor:
 
 def _keep_running(name: str, run_thread: Callable[[], None], node: DriverNode,
                   shutdown: ShutdownEvent) -> None:
-    """Run a thread's function until it returns; begin again after an exception."""
+    """Run a thread's function until it returns; run it again after an exception."""
     while True:
         try:
             return run_thread()
@@ -90,15 +87,15 @@ def _keep_running(name: str, run_thread: Callable[[], None], node: DriverNode,
 
 
 def _host_clock_offset() -> float:
-    """Return the host clock less steady time in seconds; only setting the clock changes it."""
+    """Return the host clock minus steady time in seconds; only setting the clock changes it."""
     return time.time() - time.monotonic()
 
 
 def _check_arguments(words: list[str]) -> None:
-    """Raise the errors of rcl about its arguments, without the lines that it would log."""
+    """Raise the errors of rcl about its arguments without its log lines."""
     own = split(words)[0][1:]
     if own:
         raise ParameterError(f'{printable(repr(own[0]))} is not understood: parameters are given '
                              'as --ros-args -p port:=/dev/ttyUSB0')
     if not any(map(is_pipe, RosArguments.from_words(words).files)):
-        remove_ros_args(words)          # reads parameter files, which a pipe allows only once
+        remove_ros_args(words)          # reads parameter files; a pipe can be read only once

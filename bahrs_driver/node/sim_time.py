@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The parameter use_sim_time, which every node has, and which a driver of hardware cannot follow.
+Reject the parameter use_sim_time, which every node has and a driver of hardware cannot follow.
 
-A real device measures in real time: data and diagnostics carry the host's time, whatever /clock
-says.
+A real device measures in real time: data and diagnostics carry the time of the host, not of
+/clock.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ REASON = ('a real device measures in real time, so stamps are those of the host 
 
 
 def keep_host_time(node: Node) -> None:
-    """Warn if a node was started with use_sim_time, and reject changes of it from now on."""
+    """Warn if a node was started with use_sim_time, and reject further changes of it."""
     at_start = node.get_parameter(NAME).value
     if at_start:
         node.get_logger().warning(f'parameter {NAME} has no effect: {REASON}')
@@ -31,5 +31,5 @@ def keep_host_time(node: Node) -> None:
             successful=not changed,
             reason=f'{NAME} cannot be changed: {REASON}' if changed else '')
 
-    # It is called before the one with which rclpy carries the change out.
+    # rclpy calls it before its own callback, which applies the change.
     node.add_on_set_parameters_callback(check)

@@ -3,9 +3,9 @@
 """
 Wait for subscribers before the first data.
 
-A subscriber that was started first is still discovered only after the publisher exists, which
-takes up to some seconds; what is published meanwhile never reaches it. A node that opens its
-port only when all its topics have a subscriber loses nothing to it.
+Discovery connects a subscriber, even one that was started first, up to some seconds after the
+publisher is created. Messages that are published meanwhile are lost. A node that opens its port
+only when all its topics have a subscriber loses none.
 """
 
 from collections.abc import Callable, Mapping
@@ -18,14 +18,14 @@ Write = Callable[[str], object]
 
 
 class Counting(Protocol):
-    """A publisher that knows how many subscribers it has."""
+    """A publisher that counts its subscribers."""
 
     def get_subscription_count(self) -> int:
         """Return the number of matched subscribers."""
 
 
 class SubscriberGate:
-    """Holds a thread back until publishers have subscribers, a time in seconds at most."""
+    """Blocks a thread until publishers have subscribers, for a limited time."""
 
     def __init__(self, limit: float) -> None:
         """Wait for limit seconds at most; not at all if it is 0."""
@@ -34,18 +34,18 @@ class SubscriberGate:
         self._open = not limit
 
     def callbacks(self) -> PublisherEventCallbacks | None:
-        """Return the event callbacks that a publisher to wait for must be created with."""
+        """Return event callbacks for the publishers that wait() is called with."""
         return None if self._open else PublisherEventCallbacks(matched=lambda _: self._notify())
 
     def open(self) -> None:  # noqa: A003
-        """Let the waiting thread go on."""
+        """End the waiting."""
         with self._changed:
             self._open = True
             self._changed.notify_all()
 
     def wait(self, publishers: Mapping[str, Counting], write_info: Write,
              write_warning: Write) -> None:
-        """Wait until each publisher has a subscriber, and log which have none in the end."""
+        """Wait until each publisher has a subscriber; log the topics without one at the limit."""
         if self._open:
             return
         write_info(f'the port is opened when all topics have a subscriber, after '

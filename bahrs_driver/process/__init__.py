@@ -1,3 +1,3 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What every process of this package needs: signals, exit, standard streams, host time."""
+"""Signals, exit, standard streams and host time of a process."""

@@ -1,13 +1,12 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-A time limit for the end of a process, which holds even if no Python code can run any more.
+A time limit for the exit of a process that holds even if no Python code can run.
 
-Fast DDS waits for its shared memory until a point in time of the host's clock, and once that
-clock was set back by an hour, destroying a node takes an hour. rclpy holds the interpreter's
-lock meanwhile, so neither a thread nor a signal handler in Python could end the process. A POSIX
-timer on the monotonic clock can: its notification is a call of _exit() in a thread of the C
-library.
+Fast DDS waits for its shared memory until a time of the host's clock. If that clock is set back by
+an hour, destroying a node takes an hour. rclpy holds the interpreter lock meanwhile, so neither a
+thread nor a signal handler in Python can end the process. A POSIX timer on the monotonic clock
+can: it calls _exit() in a thread of the C library.
 """
 
 import ctypes
@@ -35,7 +34,7 @@ class _TimerSpec(ctypes.Structure):
 
 
 def exit_after(seconds: float, status: int = 0) -> None:
-    """End the process with an exit status after a time in seconds, whatever it does then."""
+    """End the process with an exit status after a time in seconds, even if Python is blocked."""
     libc = ctypes.CDLL(None, use_errno=True)
     timer = ctypes.c_void_p()
     event = _SigEvent(value=status, notify=_SIGEV_THREAD,

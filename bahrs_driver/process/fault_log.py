@@ -3,8 +3,8 @@
 """
 The log of unexpected exceptions: faults of the driver itself, which it survives.
 
-A fault in code that runs 200 times a second would fill the disk, so each kind is logged every
-ten seconds at most. The sentence is for the user; the traceback is there at level debug.
+A fault in code that runs 200 times a second would fill the disk, so each kind is logged at most
+every ten seconds. The user reads one sentence; the traceback is logged at level debug.
 """
 
 from collections.abc import Callable
@@ -15,8 +15,8 @@ from typing import Any
 
 from bahrs_driver.process.printable import printable
 
-LOG_PERIOD = 10.0           # s from one log line to the next of the same kind
-MOST_KINDS = 32             # kinds that are distinguished; more are logged as one
+LOG_PERIOD = 10.0           # s between log lines of the same kind
+MOST_KINDS = 32             # further kinds are logged as one
 
 Write = Callable[[str], object]
 
@@ -32,7 +32,7 @@ class FaultLog:
         self._logged: dict[tuple[str, str], float] = {}
 
     def report(self, activity: str, error: BaseException) -> None:
-        """Count an exception, and log what the driver was doing and why it failed."""
+        """Count an exception, and log the activity of the driver that failed and why."""
         sentence = f'{activity} failed: {type(error).__name__}: {_text(error)}'
         with self._lock:
             self.count += 1

@@ -1,11 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Two clocks of the host, read as if at once.
+Read two clocks of the host at the same time.
 
 Between two calls the process may be interrupted for milliseconds. So the system time is read
-between two readings of the other clock, again where these are far apart: their distance is the
-most that the difference of the clocks can be wrong by.
+between two readings of the other clock, and again if these are far apart: their distance limits
+the error of the difference of the clocks.
 """
 
 import time
@@ -53,7 +53,7 @@ def host_instant() -> Instant:
 
 
 class SystemTime:
-    """System time by the monotonic clock, which only a clock that is set makes jump."""
+    """System time at monotonic times; it jumps only if the system time is set."""
 
     def __init__(self) -> None:
         self._offset: int | None = None

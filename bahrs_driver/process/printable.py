@@ -1,14 +1,14 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Make foreign text safe to show.
+Make text from other sources safe to print.
 
-Names of ports, labels of bags, project codes and fields of ROS messages come from elsewhere. An
-escape sequence in one of them would command the terminal, and a line feed would forge a line of
-the log. Every text that this package did not write passes through here on its way to a user.
+Names of ports, labels of bags, project codes and fields of ROS messages come from other sources.
+An escape sequence in one of them would control the terminal, and a line feed would forge a line of
+the log. printable() escapes every such text before the user sees it.
 """
 
-LONGEST_TEXT = 500          # characters; what is longer is cut
+LONGEST_TEXT = 500          # characters; a longer text is cut
 
 
 def printable(text: object, limit: int = LONGEST_TEXT) -> str:

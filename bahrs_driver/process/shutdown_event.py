@@ -3,9 +3,9 @@
 """
 The event that ends a program with threads: a signal, or a call of set().
 
-A threading.Event does not serve. Its lock may be held by the main thread just when a signal's
-handler, which runs in that thread, sets it; and a signal that the system delivers to another
-thread, as it may after a pause of the process, does not wake a main thread that waits for a lock.
+A threading.Event would not do. The main thread may hold its lock when a signal handler, which runs
+in that thread, sets it. And a signal that the system delivers to another thread, as it may after a
+pause of the process, does not wake a main thread that waits for a lock.
 """
 
 import contextlib
@@ -21,7 +21,7 @@ HANDLED_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def handled_signals() -> list[signal.Signals]:
-    """Return the signals that end a program; not a hang-up that nohup made it ignore."""
+    """Return the signals that end a program; without SIGHUP if nohup made it ignored."""
     return [kind for kind in HANDLED_SIGNALS
             if kind is not signal.SIGHUP or signal.getsignal(kind) is not signal.SIG_IGN]
 
@@ -43,7 +43,7 @@ class ShutdownEvent:
         return self.wait(0)
 
     def wait(self, timeout: float | None = None) -> bool:
-        """Wait until the event is set, a time in seconds at most; return whether it is."""
+        """Wait until the event is set, at most a time in seconds; return whether it is."""
         poll = select.poll()        # select() cannot take a file descriptor of 1024 or above
         poll.register(self._read_end, select.POLLIN)
         return bool(poll.poll(None if timeout is None else max(0.0, timeout) * 1000))
@@ -55,7 +55,7 @@ class ShutdownEvent:
         signal.set_wakeup_fd(self._write_end, warn_on_full_buffer=False)
 
     def limit_exit_time(self, seconds: float = EXIT_TIME) -> None:
-        """End the process with status 0 if it still runs a time in seconds after the event."""
+        """End the process with status 0 a time in seconds after the event if it still runs."""
         from bahrs_driver.process.exit_timer import exit_after      # which takes a while to import
 
         def watch() -> None:
@@ -69,9 +69,9 @@ def end_process(status: int) -> NoReturn:
     """
     End the process now, without the interpreter's clean-up.
 
-    That takes half a second, some of it in destructors of the middleware, which are not free of
-    the host's clock, and with the default action of signals restored: a second Ctrl-C would turn
-    a clean exit into a death by signal.
+    The clean-up takes half a second. Destructors of the middleware may wait for the host's clock,
+    and the default action of signals is restored: a second Ctrl-C would turn a clean exit into a
+    death by signal.
     """
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError, ValueError):      # closed, or a broken pipe

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Standard streams that the parent process has closed.
+Replace standard streams that the parent process has closed.
 
-The next file that is opened takes the number of one that is closed. Then log lines go into a
-serial port, or into the pipe that ends the program.
+The next file that is opened would take the number of a closed stream. Then log lines would go to a
+serial port, or to the pipe that ends the program.
 """
 
 import os

@@ -18,7 +18,8 @@ from bahrs_driver.bag.read_metadata import Origin
 from bahrs_driver.clock import Clock, Instant, Stamped
 from bahrs_driver.convert import raw
 from bahrs_driver.devices.parts import Parts
-from bahrs_driver.devices.spec import DeviceSpec
+from bahrs_driver.devices.settings import CommonSettings
+from bahrs_driver.devices.spec import AnyDevice
 from bahrs_driver.reprocess import replay_diagnostics
 from bahrs_driver.reprocess.byte_times import DeviceTimed
 from bahrs_driver.reprocess.replay_diagnostics import FlightHealth
@@ -63,7 +64,7 @@ class Played(NamedTuple):
 class Conversion:
     """Converts one capture."""
 
-    def __init__(self, capture: Capture, settings: Mapping[str, Any], spec: DeviceSpec,
+    def __init__(self, capture: Capture, settings: CommonSettings, spec: AnyDevice,
                  start_ns: int | None = None) -> None:
         """
         Convert a capture of a device with the parameters of the driver.
@@ -126,9 +127,9 @@ class Conversion:
         if not self._given.timed:
             timed = DeviceTimed(
                 self._given, lambda: self._make_parts().framer, parts.codec,
-                self._settings['time.label'], self._start_ns, progress)
+                parts.time_label, self._start_ns, progress)
             return timed, timed.clock(
-                round(self._settings['time.fixed_latency'] * NS_PER_S))
+                round(self._settings.time.fixed_latency * NS_PER_S))
         smoothing = parts.clock.smoothing()
         if smoothing is None:
             return self._given, None

@@ -6,15 +6,15 @@ The diagnostics of a flight, generated again at the flight's own times.
 All tasks are there but *Link*: what is recorded of a port is its bytes, not the port.
 """
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 from bahrs_driver.bag.capture import Chunk
 from bahrs_driver.bag.log_clock import Moment
 from bahrs_driver.clock import Clock, Stamped
 from bahrs_driver.devices.parts import Parts
 from bahrs_driver.devices.registry import recognize
-from bahrs_driver.devices.spec import DeviceSpec
+from bahrs_driver.devices.settings import CommonSettings
+from bahrs_driver.devices.spec import AnyDevice
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.time_task import TimeTask
@@ -31,8 +31,8 @@ LONGEST_SILENCE = 60 * NS_PER_S         # that is told of every second
 class FlightHealth:
     """Watches a capture being played. Times are log times in ns, stamps are ROS time."""
 
-    def __init__(self, spec: DeviceSpec, parts: Parts, clock: Clock,
-                 settings: Mapping[str, Any]) -> None:
+    def __init__(self, spec: AnyDevice, parts: Parts, clock: Clock,
+                 settings: CommonSettings) -> None:
         self.counts = dict.fromkeys(spec.topics(), 0)       # messages made, by topic
         self._health, self._clock = parts.health, clock
         self._counters = LinkCounters()
@@ -42,9 +42,9 @@ class FlightHealth:
         self._publishing_task = PublishingTask(self.counts, parts.silence_timeout,
                                                spec.latched())
         self._updater = Updater(
-            [FramingTask(parts.framer, self._counters, settings['baud_rate'],
+            [FramingTask(parts.framer, self._counters, settings.baud_rate,
                          spec.name, parts.protocol, recognize,
-                         settings['diagnostics.damaged_share']),
+                         settings.diagnostics.damaged_share),
              self._time_task, *parts.health.tasks, self._publishing_task],
             'bahrs_driver', spec.name, lambda: self._now / NS_PER_S)
 

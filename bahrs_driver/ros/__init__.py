@@ -1,3 +1,3 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Helpers around rclpy that the node and the tools share."""
+"""Start rclpy, run callbacks and select nodes, for the node and the tools."""

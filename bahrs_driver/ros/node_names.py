@@ -1,13 +1,13 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Names of nodes, and the one that a user means of those that run."""
+"""Names of nodes, and the selection of one of the running nodes."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
 
 ROOT = '/'
-USUAL_NAME = 'bahrs_driver'     # of a driver that was not renamed
-SETTLE_TIME = 5.0       # s after the first match in which another one makes the choice unclear
+USUAL_NAME = 'bahrs_driver'     # default name of a driver
+SETTLE_TIME = 5.0       # s after the first match, in which a second one makes it ambiguous
 
 
 def full_name(name: str, namespace: str) -> str:
@@ -22,18 +22,18 @@ def split_name(full: str) -> tuple[str, str]:
 
 
 class Selection(NamedTuple):
-    """Which node is meant: by name, by namespace, by both, or any."""
+    """The node that a user selects: by name, by namespace, by both, or any."""
 
     name: str = ''
-    namespace: str = ''         # empty for any, / for the root
+    namespace: str = ''         # empty: any; /: the root
 
     @property
     def exact(self) -> str:
-        """Fully qualified name, if it is known; else empty."""
+        """Fully qualified name; empty if name or namespace is not selected."""
         return full_name(*self) if self.name and self.namespace else ''
 
     def matches(self, full: str) -> bool:
-        """Return whether a node of this fully qualified name is meant."""
+        """Return whether a node of this fully qualified name is selected."""
         name, namespace = split_name(full)
         return self.name in ('', name) and self.namespace in ('', namespace)
 
@@ -45,10 +45,10 @@ class Selection(NamedTuple):
 
 class NodeChoice:
     """
-    The node that a selection means, among those that are found over time.
+    The selected node, among the nodes that discovery finds over time.
 
-    Discovery finds nodes one after the other. The first match is taken at once, so that nothing
-    of it is missed; if another one turns up soon after, there were several.
+    The first match is chosen at once, to miss no data of it. If another one appears soon after,
+    the selection was ambiguous.
     """
 
     def __init__(self, selection: Selection) -> None:
@@ -58,12 +58,12 @@ class NodeChoice:
         self._settled_at: float | None = None
 
     def settled(self, now: float) -> bool:
-        """Return whether no further node can change the choice."""
+        """Return whether another node cannot make the choice ambiguous any more."""
         return bool(self.selection.exact) or \
             self._settled_at is not None and now > self._settled_at
 
     def offer(self, names: Iterable[str], now: float) -> None:
-        """Consider the nodes that run, by their full names, at a time in seconds (monotonic)."""
+        """Choose among the full names of running nodes, at a monotonic time in seconds."""
         matches = sorted({name for name in names if self.selection.matches(name)})
         if self.selection.exact or not matches:
             return

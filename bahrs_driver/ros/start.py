@@ -1,11 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Start ROS, or say in one sentence why it cannot start.
+Start ROS, or explain in one sentence why it cannot start.
 
-Some values of the environment make ROS end the process, without an exception: an unknown
-RMW_IMPLEMENTATION already when rclpy is imported. So they are checked here first, and this module
-imports rclpy only when it is used.
+Some values of the environment make ROS end the process without an exception: an unknown
+RMW_IMPLEMENTATION does so when rclpy is imported. So this module checks them first, and imports
+rclpy only in functions.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,9 +19,9 @@ import warnings
 from bahrs_driver.errors import RosStartError
 from bahrs_driver.process.printable import printable
 
-HIGHEST_DOMAIN = 232            # above, its ports would be beyond 65535
-SAFE_DOMAIN = 101               # above, its ports collide with those that Linux gives away
-CHOOSER = 'rmw_implementation'  # is no middleware itself, but loads one
+HIGHEST_DOMAIN = 232            # the ports of a higher one would be beyond 65535
+SAFE_DOMAIN = 101               # the ports of a higher one can be ephemeral ports of Linux
+CHOOSER = 'rmw_implementation'  # loads a middleware, and is none itself
 SWITCHES = ('RCUTILS_COLORIZED_OUTPUT', 'RCUTILS_LOGGING_USE_STDOUT',
             'RCUTILS_LOGGING_BUFFERED_STREAM')
 NO_LOG_FILES = ('--ros-args', '--disable-external-lib-logs')
@@ -30,7 +30,7 @@ _LONGEST_REASON = 300
 
 
 def middlewares(environment: Mapping[str, str], python: Path = Path(sys.prefix)) -> list[str]:
-    """Return the middlewares that are installed; none where that cannot be found out."""
+    """Return the installed middlewares; an empty list if none can be found."""
     prefixes = [Path(item) for item in environment.get('AMENT_PREFIX_PATH', '').split(':') if item]
     found: set[str] = set()
     for prefix in prefixes or [python]:
@@ -59,13 +59,13 @@ def check_environment(environment: Mapping[str, str] = os.environ) -> None:
 
 
 def valid_domain(text: str, highest: int) -> bool:
-    """Return whether a text is a domain up to a number; without text it is the default."""
+    """Return whether a text is a domain up to a number, or empty for the default domain."""
     return not text or (text.isascii() and text.isdecimal() and len(text) < 10
                         and int(text) <= highest)
 
 
 def log_directory(environment: Mapping[str, str] = os.environ) -> str:
-    """Return where ROS writes its log files; with a ~ if there is no home directory."""
+    """Return the directory of the ROS log files; it begins with ~ if HOME is not set."""
     text = environment.get('ROS_LOG_DIR') or \
         os.path.join(environment.get('ROS_HOME') or '~/.ros', 'log')
     home = environment.get('HOME', '')
@@ -73,46 +73,45 @@ def log_directory(environment: Mapping[str, str] = os.environ) -> str:
 
 
 def log_problem(environment: Mapping[str, str] = os.environ) -> str:
-    """Return why ROS cannot write log files; empty if it can. Nothing is left behind."""
+    """Return why ROS cannot write log files; empty if it can. Leave no file behind."""
     folder = log_directory(environment)
     if folder.startswith('~'):
         return f'{_quoted(folder)} needs HOME, which is not set'
-    place = Path(os.path.abspath(folder))
+    directory = Path(os.path.abspath(folder))
     try:
-        while not place.exists():
-            place = place.parent
+        while not directory.exists():
+            directory = directory.parent
     except (OSError, ValueError) as error:
         return f'{_quoted(folder)} cannot be used: {printable(error)}'
-    if not place.is_dir():
-        return f'{_quoted(folder)} cannot be made: {_quoted(place)} is no directory'
+    if not directory.is_dir():
+        return f'{_quoted(folder)} cannot be made: {_quoted(directory)} is no directory'
     try:
         # Permissions are not enough: a file system may be full, or hold no files.
-        with tempfile.TemporaryFile(dir=place):
+        with tempfile.TemporaryFile(dir=directory):
             return ''
     except OSError as error:
-        return f'{_quoted(place)} cannot be written: {printable(error.strerror)}'
+        return f'{_quoted(directory)} cannot be written: {printable(error.strerror)}'
 
 
 def init_ros(arguments: Sequence[str], log_files: bool = True) -> str:
-    """Initialise ROS without its signal handlers; return why it writes no log files, if so."""
+    """Initialize ROS without signal handlers; return why it writes no log files, or nothing."""
     check_environment()
     import rclpy
-    from rclpy._rclpy_pybind11 import RCLError
     from bahrs_driver.settings.start_errors import without_places
     from rclpy.signals import SignalHandlerOptions
 
     def init(*more: str) -> None:
         rclpy.init(args=[*arguments, *more], signal_handler_options=SignalHandlerOptions.NO)
 
-    # A flag without its value would take what follows for it.
+    # A flag that lacks its value would consume the next argument.
     without = () if arguments and arguments[-1].startswith('-') else NO_LOG_FILES
     problem = log_problem() if log_files else 'they are not wanted'
     try:
         init(*(without if problem else ()))
-    except RCLError as error:
+    except RuntimeError as error:       # the base of RCLError, which rclpy does not export
         if 'logging' not in str(error):
             raise
-        rclpy.try_shutdown()        # what was begun before the logging failed
+        rclpy.try_shutdown()        # it had begun before the logging failed
         problem = without_places(error)
         init(*without)
     return problem
@@ -120,10 +119,10 @@ def init_ros(arguments: Sequence[str], log_files: bool = True) -> str:
 
 @contextlib.contextmanager
 def start_errors(arguments: Sequence[str]) -> Iterator[None]:
-    """Raise RosStartError for any exception of a block that starts ROS with some arguments."""
+    """Convert any exception of a block that starts ROS with arguments to RosStartError."""
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter('ignore')     # rclpy warns of what it could not tidy up
+            warnings.simplefilter('ignore')     # rclpy warns that it could not clean up
             yield
     except RosStartError:
         raise
@@ -133,7 +132,7 @@ def start_errors(arguments: Sequence[str]) -> Iterator[None]:
 
 
 def missing_module(error: ImportError) -> str:
-    """Return what to do about a module that cannot be imported, in a sentence."""
+    """Return a sentence about a module that cannot be imported, with the remedy."""
     what = f'the Python module {error.name} is missing' \
         if isinstance(error, ModuleNotFoundError) else printable(error, _LONGEST_REASON)
     return f'{what}; install it, or source the set-up of your ROS 2'

@@ -1,7 +1,7 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What the user sets: read from the command line and files, checked, and none ignored in silence.
+Settings of the user: read from the command line and files, checked, and reported if unused.
 
-The table of what there is to set is bahrs_driver.settings.table.
+The settings themselves are the dataclasses in bahrs_driver.devices.
 """

@@ -1,12 +1,12 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a command line sets: parameter files, rules NAME:=VALUE, and remappings FROM:=TO.
+The ROS arguments of a command line: parameter files, rules NAME:=VALUE, remappings FROM:=TO.
 
-rcl merges parameters by the name of the node that each is for, and so a rule can lose to a file
-that stands before it: the file if it names the node, where rules are for all nodes; or the first
-of two values of different types, of which it keeps both. Rules that are given to the node itself,
-rather than to the process, come after all of these. So the last rules go to the node once more.
+rcl merges parameters by the name of the node that each is for. So a rule, which is for all nodes,
+loses to an earlier file that names the node. If two values of a parameter have different types,
+rcl keeps both and uses the first. Rules that are given to the node itself, rather than to the
+process, override all of these. So the node receives the last rules once more.
 """
 
 from collections.abc import Iterator, Sequence
@@ -30,7 +30,7 @@ class RosArguments:
 
     @classmethod
     def from_words(cls, words: Sequence[str]) -> 'RosArguments':
-        """Find them among the words of a command line."""
+        """Parse the words of a command line."""
         found = cls()
         for flag, value in _flags(words):
             if flag == FILE_FLAG and value:
@@ -65,7 +65,7 @@ class RosArguments:
 
 def split(words: Sequence[str]) -> tuple[list[str], list[str]]:
     """
-    Return the words of a command itself, and those for ROS with their marks.
+    Return the own arguments of a command, and those for ROS with their marks.
 
     Unlike rclpy.utilities.remove_ros_args this reads no file: a pipe can be read only once.
     """

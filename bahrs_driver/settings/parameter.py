@@ -2,14 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """One parameter: its name, default and limits, and the check of a value that the user gave."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 import math
-from typing import Any
 
 from bahrs_driver.errors import ParameterError
 from bahrs_driver.process.printable import printable
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 
 Value = str | int | float | bool
 
@@ -21,12 +18,7 @@ _TYPE_NAMES = {bool: 'true or false', int: 'a whole number', float: 'a decimal n
 
 @dataclass(frozen=True)
 class Parameter:
-    """
-    One row of the table of parameters. The default also gives the type.
-
-    sensor names the device that the parameter is for, if it is for one only; needs names the
-    values that other parameters must have for this one to have an effect.
-    """
+    """One row of the table of parameters. The default also gives the type."""
 
     name: str
     default: Value
@@ -36,14 +28,12 @@ class Parameter:
     high: float | None = None
     or_zero: bool = False           # 0 is valid, too, though below low
     choices: tuple[str, ...] = ()
-    read_only: bool = True          # or looked at whenever it is needed
+    read_only: bool = True          # or a service reads it when it is called
     is_frame: bool = False          # a frame id of tf2
-    sensor: str = ''
-    needs: Mapping[str, tuple[Value, ...]] | None = None
 
     @property
     def valid(self) -> str:
-        """Values that are valid, in words."""
+        """Return the valid values as messages describe them."""
         unit = self.unit and ' ' + self.unit
         if self.choices:
             return ' or '.join(repr(choice) for choice in self.choices)
@@ -57,7 +47,7 @@ class Parameter:
             return f'a text such as {self.default!r}'
         return _TYPE_NAMES[type(self.default)]
 
-    def convert(self, given: Any) -> Any:
+    def convert(self, given: object) -> Value:
         """Return a value in the form that the driver uses; ParameterError if it is not valid."""
         value = given
         if isinstance(self.default, float) and type(given) is int:
@@ -66,48 +56,32 @@ class Parameter:
             value = str(given).lower()      # to YAML, nan is a number
         if self.is_frame and isinstance(given, str):
             value = given.lstrip('/')
-        if not (type(value) is type(self.default) and self._is_allowed(value)):
-            raise ParameterError(
-                f'parameter {self.name} is {shown(given)}: it must be {self.valid}')
-        return value
+        if isinstance(value, Value) and type(value) is type(self.default) \
+                and self._is_allowed(value):
+            return value
+        raise ParameterError(f'parameter {self.name} is {shown(given)}: it must be {self.valid}')
 
-    def correction(self, given: Any) -> str | None:
-        """Return a sentence about a valid value that is used in another form, if it is."""
-        if not self.is_frame or not given.startswith('/'):
+    def correction(self, given: object) -> str | None:
+        """Return a warning if a valid value is used in another form."""
+        if not self.is_frame or not str(given).startswith('/'):
             return None
         return (f'parameter {self.name} is {shown(given)}: names of frames have no leading slash, '
                 f'{shown(self.convert(given))} is used')
 
-    def descriptor(self) -> ParameterDescriptor:
-        """Return the descriptor that `ros2 param describe` shows."""
-        unit = f' [{self.unit}]' if self.unit else ''
-        descriptor = ParameterDescriptor(
-            name=self.name, description=self.description + unit, read_only=self.read_only,
-            additional_constraints=f'must be {self.valid}' if self.choices else '')
-        if self.low is not None and self.high is not None:
-            low = 0 if self.or_zero else self.low
-            if isinstance(self.default, float):
-                descriptor.floating_point_range = [
-                    FloatingPointRange(from_value=float(low), to_value=float(self.high))]
-            else:
-                descriptor.integer_range = [
-                    IntegerRange(from_value=int(low), to_value=int(self.high), step=1)]
-        return descriptor
-
-    def _is_allowed(self, value: Any) -> bool:
+    def _is_allowed(self, value: Value) -> bool:
         """Return whether a value of the right type is within the limits."""
-        if self.choices:
-            return value in self.choices
+        if isinstance(value, str):
+            if self.choices:
+                return value in self.choices
+            return _is_frame_id(value) if self.is_frame else bool(value.strip())
         if self.low is not None and self.high is not None:
             return self.low <= value <= self.high or self.or_zero and value == 0
-        if self.is_frame:
-            return _is_frame_id(value)
-        return not isinstance(value, str) or bool(value.strip())
+        return True
 
 
-def shown(value: Any) -> str:
+def shown(value: object) -> str:
     """Return a value as the user could have written it, on one short line."""
-    # rcl makes nothing of an empty list or map.
+    # rcl returns None for an empty list or map.
     return '[]' if value is None else printable(repr(value), LONGEST_VALUE)
 
 

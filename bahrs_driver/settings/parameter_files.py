@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Files of parameters: why rcl refuses one, and whether one has anything for the node.
+Parameter files: the reason why rcl rejects one, and the nodes that one has parameters for.
 
-rcl reads the values. What is read here only explains, so a file that cannot be read twice, such as
-a pipe, is left to rcl.
+rcl reads the values. This module reads a file again to explain a problem, so it skips files that
+cannot be read twice, such as pipes.
 """
 
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ from typing import Any
 from bahrs_driver.process.printable import printable
 import yaml
 
-LARGEST = 10_000_000        # bytes; what is larger is no parameter file
+LARGEST = 10_000_000        # bytes; a larger file is no parameter file
 VALUES_KEY = 'ros__parameters'
 
 
@@ -26,7 +26,7 @@ def is_pipe(file: str) -> bool:
 
 
 def problem(file: str) -> str | None:
-    """Return why a file cannot be used, in a sentence, if that can be found out."""
+    """Return a sentence about why a file cannot be used; None if no reason is found."""
     name = printable(file)
     try:
         _load(file)
@@ -43,7 +43,7 @@ def problem(file: str) -> str | None:
 
 
 def other_nodes(file: str, node: str) -> list[str] | None:
-    """Return the names in a file if none is that of a node (fully qualified), None if one is."""
+    """Return the node names in a file; None if one of them matches a fully qualified name."""
     try:
         documents = _load(file)
     except (OSError, ValueError, RecursionError, yaml.YAMLError):
@@ -55,7 +55,7 @@ def other_nodes(file: str, node: str) -> list[str] | None:
 
 
 def matches_node(pattern: str, node: str) -> bool:
-    """Return whether a name in a file, perhaps with * or **, is that of a node, as rclpy does."""
+    """Return whether a name in a file, perhaps with * or **, matches a node, as in rclpy."""
     absolute = pattern if pattern.startswith('/') else f'/{pattern}'
     try:
         return re.fullmatch(absolute.replace('/*', r'(/\w+)'), node, re.ASCII) is not None
@@ -70,7 +70,7 @@ def _load(file: str) -> list[Any] | None:
 
 
 def load_text(file: str) -> str | None:
-    """Return what is in a file, None if it is a pipe; OSError or ValueError if it is no text."""
+    """Return the text of a file, None if it is a pipe; OSError or ValueError if it has none."""
     if is_pipe(file):
         return None
     with open(file, 'rb') as stream:

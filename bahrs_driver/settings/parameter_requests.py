@@ -3,41 +3,43 @@
 """
 The services that set parameters at run time: a change takes effect or is refused with the reason.
 
-Those of rclpy raise what ends without a response for a type that is not defined, and accept what
-nothing reads.
+The services of rclpy fail without a response if the type of a value is undefined, and accept
+changes of parameters that nothing reads.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from bahrs_driver.errors import ParameterError
 from bahrs_driver.process.printable import printable
-from bahrs_driver.settings.table import BY_NAME
-from bahrs_driver.settings.unused import unknown_parameter, why_unused
+from bahrs_driver.settings.group import DeviceSettings
+from bahrs_driver.settings.node_settings import NodeSettings
+from bahrs_driver.settings.table import unknown_parameter
 from rcl_interfaces.msg import Parameter as ParameterMessage, SetParametersResult
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.parameter_service import ParameterService
 
 
-class ParameterRequests(ParameterService):
-    """The services of a node that was made with start_parameter_services=False."""
+class ParameterRequests:
+    """Handles the requests that set parameters of a node, in place of rclpy."""
 
-    def __init__(self, node: Node, settings: Mapping[str, Any]) -> None:
+    def __init__(self, node: Node, settings: NodeSettings[DeviceSettings]) -> None:
         self._node = node
         self._settings = settings
-        super().__init__(node)      # type: ignore[no-untyped-call]
+        for service in node.services:
+            if service.srv_type is SetParameters:
+                service.callback = self._set_each
+            elif service.srv_type is SetParametersAtomically:
+                service.callback = self._set_together
 
-    def _set_parameters_callback(
-            self, request: SetParameters.Request,
-            response: SetParameters.Response) -> SetParameters.Response:
+    def _set_each(self, request: SetParameters.Request,
+                  response: SetParameters.Response) -> SetParameters.Response:
         response.results = [self._set([message]) for message in request.parameters]
         return response
 
-    def _set_parameters_atomically_callback(
-            self, request: SetParametersAtomically.Request,
-            response: SetParametersAtomically.Response) -> SetParametersAtomically.Response:
+    def _set_together(self, request: SetParametersAtomically.Request,
+                      response: SetParametersAtomically.Response
+                      ) -> SetParametersAtomically.Response:
         response.result = self._set(request.parameters)
         return response
 
@@ -49,7 +51,7 @@ class ParameterRequests(ParameterService):
         return self._node.set_parameters_atomically(parameters)
 
     def _checked(self, message: ParameterMessage) -> Parameter:
-        """Return a parameter with the value that it is to have; ParameterError says why not."""
+        """Return a valid parameter; ParameterError says why it cannot be set."""
         name = message.name
         if not self._node.has_parameter(name):
             known = list(self._node.get_parameters_by_prefix(''))
@@ -59,10 +61,10 @@ class ParameterRequests(ParameterService):
         except (ValueError, TypeError) as error:
             raise ParameterError(f'parameter {name} cannot have a value of type '
                                  f'{message.value.type}: {printable(error)}') from error
-        parameter = BY_NAME.get(name)
+        parameter = self._settings.table.by_name.get(name)
         if parameter is None:
             return given
-        reason = why_unused(parameter, self._settings)
+        reason = self._settings.why_unused(name)
         if reason:
             raise ParameterError(f'parameter {name} has no effect: {reason}')
         if parameter.read_only:

@@ -1,28 +1,27 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Values of the parameters qos_overrides.TOPIC.publisher.POLICY, checked before rclpy uses them.
+The check of the parameters qos_overrides.TOPIC.publisher.POLICY before rclpy uses them.
 
-rclpy raises exceptions of many kinds for a bad one, and the middleware adds lines of its own.
+rclpy raises exceptions of many kinds for an invalid value, and the middleware logs more lines.
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 from bahrs_driver.settings.parameter import Parameter
+from bahrs_driver.settings.table import QOS_PREFIX
 
-PREFIX = 'qos_overrides.'
 DEEPEST = 2 ** 31 - 1
 
 _CHOICES = {'history': ('keep_last', 'keep_all', 'system_default'),
             'reliability': ('reliable', 'best_effort', 'best_available', 'system_default')}
 
 
-def check_qos_overrides(given: Mapping[str, Any]) -> None:
-    """Raise ParameterError if a parameter that overrides a policy has a value that cannot be."""
+def check_qos_overrides(given: Mapping[str, object]) -> None:
+    """Raise ParameterError if a parameter that overrides a policy is invalid."""
     for name, value in given.items():
         policy = name.rpartition('.')[2]
-        if not name.startswith(PREFIX):
+        if not name.startswith(QOS_PREFIX):
             continue
         if policy == 'depth':
             Parameter(name, 100, '', low=1, high=DEEPEST).convert(value)

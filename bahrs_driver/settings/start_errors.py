@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""One sentence for whatever keeps a node from starting."""
+"""Explain in one sentence why a node does not start."""
 
 from collections.abc import Sequence
 import re
@@ -9,14 +9,13 @@ from bahrs_driver.errors import ParameterError
 from bahrs_driver.process.printable import printable
 from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.parameter_files import problem
-from rclpy._rclpy_pybind11 import UnknownROSArgsError
 from rclpy.exceptions import ParameterException
 
-# Every sentence of rcl ends in places of its source; one about an argument quotes it.
+# Every sentence of rcl ends with places in its source; one about an argument quotes it.
 _PLACES = re.compile(r'\s*, at /\S+:\d+(?=, at |$)')
 _ARGUMENT = re.compile(r"Couldn't parse (?P<what>[^:]+): '(?P<argument>.*)'\. Error: (?P<why>.*)",
                        re.DOTALL)
-# What ROS says about its environment, and the remedy.
+# Messages of ROS about its environment, and the remedy.
 _ENVIRONMENT = (
     ('Unable to resolve peer', 'correct or unset ROS_STATIC_PEERS'),
     ('error not set', 'with security enforced, correct the ROS_SECURITY_ variables'),
@@ -29,7 +28,7 @@ _REMEDIES = {
     'log level': 'write --log-level debug, info, warn, error or fatal',
 }
 
-# Of remapping the name of a node and its namespace, where rcl speaks of the lexemes that it found.
+# Remappings of the name of a node and of its namespace, about which rcl only reports lexemes.
 _NODE_NAME = 'a node name has letters, digits and underscores, and no digit first'
 _NAMES = {
     '__node': _NODE_NAME,
@@ -46,11 +45,11 @@ def explain(error: Exception, words: Sequence[str]) -> str:
     for word in words:
         if not _is_utf8(word):
             return f'the argument {printable(word)} is not valid UTF-8: write it in UTF-8'
-    if isinstance(error, UnknownROSArgsError):
+    if type(error).__name__ == 'UnknownROSArgsError':      # rclpy does not export it
         return (f"{printable(str(error).strip('[]'))} is not understood after --ros-args: put "
                 'quotes around a value that holds a blank')
     if isinstance(error, ParameterException):
-        # Of those of rclpy itself, which are declared before any of ours.
+        # Raised for the parameters of rclpy, which are declared before any of this package.
         name = re.search(r"parameter '(\w+)'", str(error))
         return f'parameter {name[1]} must be true or false' if name else printable(error)
     for file in RosArguments.from_words(words).files:
@@ -61,7 +60,7 @@ def explain(error: Exception, words: Sequence[str]) -> str:
 
 
 def _plain(error: Exception) -> str:
-    """Return what rcl or another library says, with a remedy."""
+    """Return the message of rcl or another library, with a remedy."""
     text = without_places(error)
     about = _ARGUMENT.search(text)
     if about is None:
@@ -78,7 +77,7 @@ def _plain(error: Exception) -> str:
 
 
 def without_places(error: Exception) -> str:
-    """Return what rcl says on one line, without the places in its source."""
+    """Return a message of rcl on one line, without the places in its source."""
     return ' '.join(_PLACES.sub('', str(error)).split())
 
 

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Values that rcl does not use because an earlier one for the same node has another type.
+Values that rcl does not use because an earlier value for the same node has another type.
 
-It keeps one value of each type, and takes the first of these types: bool, int, double, string.
-So of velocity: 1 in one file and velocity: 0.5 in the next it takes 1.
+It keeps one value of each type, and uses the first of these types: bool, int, double, string.
+With velocity: 1 in one file and velocity: 0.5 in the next it uses 1.
 """
 
 from collections.abc import Iterator
@@ -20,11 +20,11 @@ _BOOLS = {'y', 'yes', 'true', 'on', 'n', 'no', 'false', 'off'}
 _INT = re.compile(r'[-+]?(0x[0-9a-fA-F]+|\d+)')
 _FLOAT = re.compile(r'[-+]?(\d+\.?\d*([eE][-+]?\d+)?|\.\d+([eE][-+]?\d+)?|\.inf|\.nan)',
                     re.IGNORECASE)
-_TYPES = ('bool', 'int', 'double', 'string', 'array')       # in the order in which rcl takes them
+_TYPES = ('bool', 'int', 'double', 'string', 'array')       # in the order of preference of rcl
 
 
 class _Definition(NamedTuple):
-    """A value of a parameter for a node, as it is written."""
+    """A value of a parameter for a node, as written."""
 
     node: str
     name: str
@@ -33,7 +33,7 @@ class _Definition(NamedTuple):
 
 
 def lost_values(arguments: RosArguments, node: str) -> Iterator[str]:
-    """Yield the values of a node (fully qualified) that are its last and are not used."""
+    """Yield the last values for a fully qualified node name that rcl does not use."""
     earlier: dict[tuple[str, str], set[str]] = {}
     lost: dict[tuple[str, str], str] = {}
     for definition in _definitions(arguments):
@@ -58,7 +58,7 @@ def _definitions(arguments: RosArguments) -> Iterator[_Definition]:
             else:
                 yield from _of_rule(source)
         except (OSError, ValueError, RecursionError, yaml.YAMLError):
-            continue                    # what cannot be read here is not compared
+            continue                    # rcl reports it
 
 
 def _of_rule(rule: str) -> Iterator[_Definition]:
@@ -91,7 +91,7 @@ def _items(tree: yaml.Node) -> Iterator[tuple[str, yaml.Node]]:
 
 
 def _type(value: yaml.Node) -> str:
-    """Return the type that rcl makes of a value."""
+    """Return the type of a value to rcl."""
     if not isinstance(value, yaml.ScalarNode):
         return 'array'
     if value.style in ('"', "'") or value.tag.endswith(':binary'):

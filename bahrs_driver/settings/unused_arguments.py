@@ -44,16 +44,16 @@ def unused_arguments(node: Node, arguments: RosArguments) -> Iterator[str]:
 
 
 def _split(rule: str) -> tuple[str, str]:
-    """Return the node that a rule is for, if it names one, and what the rule is for there."""
+    """Return the node that a rule is for, or an empty text, and the name in the rule."""
     owner, _, name = _SCHEME.sub('', rule.partition(':=')[0]).rpartition(':')
     return owner, _SCHEME.sub('', name)
 
 
 def _is_remapped(node: Node, name: str) -> bool:
-    """Return whether a node has a topic or service of this name, under the one it now has."""
+    """Return whether a node has a topic or service that a remapping renamed."""
     try:
         topic, service = node.resolve_topic_name(name), node.resolve_service_name(name)
-    except Exception:           # rcl has accepted what only it understands
+    except Exception:           # a name that only rcl understands
         return True
     return (topic in {publisher.topic_name for publisher in node.publishers}
             or topic in {subscription.topic_name for subscription in node.subscriptions}

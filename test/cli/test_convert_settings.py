@@ -6,18 +6,19 @@ from pathlib import Path
 import re
 
 from bahrs_driver.cli.convert_settings import read_settings
-from bahrs_driver.devices.registry import DEVICES
+from bahrs_driver.devices.bahrs.settings import BahrsSettings
+from bahrs_driver.devices.registry import DEVICES, parameter_table
 from bahrs_driver.errors import CommandError, ParameterError
-from bahrs_driver.settings.table import defaults, PARAMETERS
 from hypothesis import given, settings, strategies as st
 import pytest
-from support.recorded_settings import RecordedSettings, values_of
+from support.settings_examples import RecordedSettings, values_of
 
+TABLE = parameter_table()
 PACKAGE = Path(__file__).resolve().parents[2] / 'bahrs_driver'
-# Read by a conversion, not by the parts of a sensor.
+# Read by a conversion, not by the parts of a device.
 OF_CONVERSION = {'sensor', 'baud_rate'} | {
     name for path in (PACKAGE / 'reprocess').glob('*.py')
-    for name in re.findall(r"settings\['([a-z_.]+)'\]", path.read_text())}
+    for name in re.findall(r'settings\.([a-z_.]+)', path.read_text())}
 
 
 def test_values():
@@ -25,9 +26,9 @@ def test_values():
     values, notes = read_settings(
         ['stddev.velocity:=1', 'magnetic_field.strength:=4e-5', 'frame_id:=/imu',
          'frame_convention:=ned', 'crc_order:=word'], 'bahrs')
-    assert values['magnetic_field.strength'] == 4e-5
-    assert values['stddev.velocity'] == 1.0 and values['frame_id'] == 'imu'
-    assert values['crc_order'] == 'word' and values['sensor'] == 'bahrs'
+    assert values.magnetic_field.strength == 4e-5
+    assert values.stddev.velocity == 1.0 and values.frame_id == 'imu'
+    assert values.crc_order == 'word'
     assert notes == ["parameter frame_id is '/imu': names of frames have no leading slash, 'imu' "
                      'is used']
 
@@ -44,7 +45,7 @@ def test_values():
 def test_sentences(rule, sentence):
     """They name the rule, or the parameter."""
     if sentence is None:
-        assert read_settings([rule], 'bahrs')[0]['frame_id'] == '~'
+        assert read_settings([rule], 'bahrs')[0].frame_id == '~'
         return
     with pytest.raises((CommandError, ParameterError)) as caught:
         read_settings([rule], 'bahrs')
@@ -59,12 +60,11 @@ def test_settings_without_effect():
 
 
 @settings(max_examples=60)
-@given(name=st.sampled_from([parameter.name for parameter in PARAMETERS]),
-       sensor=st.sampled_from(sorted(DEVICES)), data=st.data())
-def test_what_no_part_reads_is_said_to_have_no_effect(name, sensor, data):
+@given(name=st.sampled_from(sorted(TABLE.by_name)), sensor=st.sampled_from(sorted(DEVICES)),
+       data=st.data())
+def test_each_parameter_is_read_or_listed(name, sensor, data):
     """Each parameter alone, with a valid value."""
-    (parameter,) = (parameter for parameter in PARAMETERS if parameter.name == name)
-    value = data.draw(values_of(parameter))
+    value = data.draw(values_of(TABLE.by_name[name]))
     try:
         text = str(value).lower() if isinstance(value, bool) else value
         values, notes = read_settings([f'{name}:={text}'], sensor)
@@ -78,7 +78,7 @@ def test_what_no_part_reads_is_said_to_have_no_effect(name, sensor, data):
 
 
 @given(rules=st.lists(st.one_of(st.text(max_size=20), st.builds(
-    '{}:={}'.format, st.sampled_from([parameter.name for parameter in PARAMETERS]),
+    '{}:={}'.format, st.sampled_from(sorted(TABLE.by_name)),
     st.text(max_size=10))), max_size=3))
 def test_any_rule(rules):
     """It is read, or refused in a sentence without control characters."""
@@ -87,4 +87,4 @@ def test_any_rule(rules):
     except (CommandError, ParameterError) as error:
         assert str(error).isprintable()
     else:
-        assert values.keys() == defaults().keys() and all(map(str.isprintable, notes))
+        assert isinstance(values, BahrsSettings) and all(map(str.isprintable, notes))

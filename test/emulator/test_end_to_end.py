@@ -7,16 +7,14 @@ import math
 from types import SimpleNamespace
 
 from bahrs_driver.convert.axes import flu_to_enu, quaternion_from_euler
-from bahrs_driver.devices import SENSORS
 from bahrs_driver.emulator.flights import Flight
 from bahrs_driver.protocol.bahrs.messages import FORCE, RATE, VELOCITY
-from bahrs_driver.settings.table import PARAMETERS
-from bahrs_driver.transport.link import Link
 import pytest
 from sensor_msgs.msg import Imu, NavSatFix
 from std_msgs.msg import Float64
 from support.emulated import emissions, make_device
 from support.processes import driver, listening, running, wait_for
+from support.settings_examples import parts_of
 
 FASTER = 40
 ANGLE_ERROR = math.radians(0.01)
@@ -26,9 +24,7 @@ HALF_QUANTUM = 0.5001
 
 def sensor(convention):
     """Return the parts that the node uses, with its default parameters."""
-    settings = {parameter.name: parameter.default for parameter in PARAMETERS}
-    return SENSORS['bahrs']({**settings, 'frame_convention': convention},
-                            Link('loop://', 115200))
+    return parts_of('bahrs', frame_convention=convention)
 
 
 @pytest.fixture(scope='module')

@@ -7,7 +7,6 @@ import math
 
 from bahrs_driver.convert.axes import flu_to_enu, quaternion_from_euler
 from bahrs_driver.convert.titan_m.converter import TOPICS
-from bahrs_driver.devices import SENSORS
 from bahrs_driver.emulator.flights import Flight, SteadyTurn
 from bahrs_driver.emulator.noise import DEVIATIONS, Noise
 from bahrs_driver.emulator.titan_m.measurements import HIGHEST_DIFFERENCE
@@ -16,14 +15,13 @@ from bahrs_driver.protocol.titan_m.messages import (
     SensorsRequest, StateRequest,
 )
 from bahrs_driver.protocol.titan_m.poller import PollOptions
-from bahrs_driver.settings.table import PARAMETERS
-from bahrs_driver.transport.link import Link
 from bahrs_driver.virtual_serial.cable import AT_ONCE
 import numpy as np
 import pytest
 from support.devices import DIAGNOSTICS, status
 from support.polled import make_titan, PolledDevice
 from support.processes import driver, listening, running, wait_for
+from support.settings_examples import parts_of
 
 START = (-0.04, 6.03)           # degrees; the flight crosses the equator and 6 degrees east
 SLOW = {SensorsRequest: 2.0, StateRequest: 2.0, GpsRequest: 2.0}
@@ -36,8 +34,7 @@ SPHERE = 6_378_137.0
 
 def converter(**changes):
     """Return the converter that the node uses, with default parameters but for some."""
-    settings = {parameter.name: parameter.default for parameter in PARAMETERS}
-    return SENSORS['titan_m']({**settings, **changes}, Link('loop://', 115200)).converter
+    return parts_of('titan_m', **changes).converter
 
 
 def quanta(value):

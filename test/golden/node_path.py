@@ -14,11 +14,11 @@ from bahrs_driver.clock import Instant
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.errors import LinkError
 from bahrs_driver.process.fault_log import FaultLog
-from bahrs_driver.settings.table import defaults
 from bahrs_driver.transport.link import Reading
 from bahrs_driver.transport.receiver import Receiver
 from golden_inputs import BYTE_NS, Input, Read, SECOND
 from support.polled import make_titan, PolledDevice
+from support.settings_examples import parts_of, settings_of
 
 EVENTS = 'events'       # name under which notices and failures stand beside the topics
 
@@ -26,8 +26,7 @@ EVENTS = 'events'       # name under which notices and failures stand beside the
 def node_path(source: Input, changes: dict[str, object]) -> list[tuple[str, bytes]]:
     """Return topic and serialised message of all that the node publishes for an input."""
     spec = DEVICES[source.sensor]
-    settings = {**defaults(), 'sensor': spec.name, **spec.recorded_settings, **changes}
-    sensor = spec.parts(settings)
+    sensor = spec.parts(settings_of(spec.name, **changes).for_recording())
     node = _Node(sensor)
     node.receiver = Receiver(_ScriptedLink(source.openings), sensor.framer, sensor.codec,
                              sensor.clock, node, FaultLog(node.note, lambda _: None))
@@ -40,8 +39,7 @@ def polled_path(changes: dict[str, object]) -> list[tuple[str, bytes]]:
     polled = PolledDevice(make_titan(late_share=0.01, first_fix=2.0),
                           faults={'bit_flip': 0.0003}, mode=0.002)
     polled.run(10.0)
-    settings = {**defaults(), 'sensor': 'titan_m', **changes}
-    sensor = DEVICES['titan_m'].parts(settings)
+    sensor = parts_of('titan_m', **changes)
     return [(topic, serialized(message)) for _, item in polled.received
             for topic, message in sensor.converter.convert(item.message, item.stamp_ns)]
 

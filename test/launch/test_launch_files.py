@@ -10,7 +10,7 @@ from bahrs_driver.settings.command_line import RosArguments
 from hypothesis import given, strategies as st
 import pytest
 from support import launch_stand_in
-from support.settings_of import settings_of
+from support.node_settings import node_settings
 
 ROOT = Path(__file__).resolve().parents[2]
 FILES = ('bahrs', 'titan_m')
@@ -193,8 +193,8 @@ def test_an_argument_beats_the_file_which_beats_a_default(tmp_path_factory, port
     launch = StandIn()
     (command,), _ = launch.run(launch.include(file, {
         'params_file': str(params_file), **({'port': port} if port else {})}))
-    settings = settings_of(['driver_node', *command])
-    assert settings['port'] == (port or ('/dev/file' if keys else '/dev/ttyUSB0'))
+    sensor, settings = node_settings(['driver_node', *command])
+    assert settings.port == (port or ('/dev/file' if keys else '/dev/ttyUSB0'))
     # The name of the launch file is a choice, too, unless it is that of the default.
     in_file = sensor if keys and sensor else 'bahrs'
-    assert settings['sensor'] == ('titan_m' if file == 'titan_m' else in_file)
+    assert sensor == ('titan_m' if file == 'titan_m' else in_file)

@@ -7,7 +7,7 @@ import re
 import shlex
 
 from bahrs_driver.cli.main import _parser, VERBS
-from bahrs_driver.settings.table import PARAMETERS
+from bahrs_driver.devices.registry import parameter_table
 import pytest
 from support.emulated import make_emulation, on_the_wire
 
@@ -64,7 +64,7 @@ def test_make_has_the_target(line):
 def test_parameters_exist():
     """Those of commands on any page."""
     named = {name for _, line in shown() for name in PARAMETER.findall(line)}
-    assert {'port', 'publish.raw'} <= named <= {parameter.name for parameter in PARAMETERS}
+    assert {'port', 'publish.raw'} <= named <= parameter_table().by_name.keys()
 
 
 def test_files_exist():

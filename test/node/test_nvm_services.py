@@ -7,10 +7,12 @@ import json
 from bahrs_driver.errors import NvmError
 from bahrs_driver.node.nvm_services import NvmServices
 from bahrs_driver.process.fault_log import FaultLog
+from bahrs_driver.ros.executor import StoppableExecutor
 import pytest
 import rclpy
 from rclpy.context import Context
 from std_srvs.srv import Trigger
+from support.processes import PATIENCE
 
 PARAMETERS = {'nvm.page': 3, 'nvm.directory': '/proc/nowhere', 'nvm.dump_path': 'x',
               'nvm.enter_timeout': 2.5, 'nvm.service_frames': 'mpeg2'}
@@ -46,11 +48,19 @@ def ask():
     services = NvmServices(node, reader, FaultLog(str, str))
     services._pages.publish = lambda message: published.append(message.layout.dim[0].label)
 
+    executor = StoppableExecutor(pytest.fail, context)
+    executor.add_node(node)
+
     def call(name):
-        response = callbacks[f'~/nvm/{name}'](Trigger.Request(), Trigger.Response())
-        return response.success, json.loads(response.message)
+        task = executor.create_task(
+            callbacks[f'~/nvm/{name}'], Trigger.Request(), Trigger.Response())
+        while not task.done():
+            executor.spin_once(PATIENCE)
+        return task.result().success, json.loads(task.result().message)
     call.reader, call.node, call.published = reader, node, published
     yield call
+    services.wait()
+    executor.shutdown()
     node.destroy_node()
     rclpy.shutdown(context=context)
 

@@ -16,15 +16,15 @@ from bahrs_driver.protocol.bahrs.messages import (
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.reprocess.conversion import Conversion
-from bahrs_driver.settings.table import defaults
 from hypothesis import example, given, settings, strategies as st
 import pytest
+from support.settings_examples import settings_of
 
 S = 1_000_000_000
 ORIGIN = 1_700_000_000 * S
 BYTE_NS, PERIOD_NS = 86_806, 5_000_000
 SAMPLES = 260
-SETTINGS = {**defaults(), 'magnetic_field.dip': 60.0, 'magnetic_field.declination': 3.0}
+SETTINGS = settings_of(**{'magnetic_field.dip': 60.0, 'magnetic_field.declination': 3.0})
 LONGEST_READ = 4095     # bytes that a terminal of Linux holds
 chunkings = st.lists(st.integers(1, LONGEST_READ), min_size=1, max_size=20)
 

@@ -16,11 +16,11 @@ from bahrs_driver.protocol.bahrs.messages import InertialTime, NvmPage
 from bahrs_driver.protocol.bahrs.nvm_session import PAGE_SIZE
 from bahrs_driver.protocol.titan_m.messages import StateRequest
 from bahrs_driver.reprocess.conversion import Conversion
-from bahrs_driver.settings.table import defaults
 import pytest
 from support.conversions import converted, flight, Kept, ORIGIN, Pieces, S, stamps
 from support.emulated import decoded, emissions, make_device
 from support.polled import PolledDevice
+from support.settings_examples import settings_of
 
 
 def test_stamps_are_near_the_truth_from_the_first_on(tmp_path):
@@ -220,7 +220,7 @@ def test_a_capture_whose_time_stands_still_is_converted_in_little_memory(tmp_pat
     """What is held until it is in order is limited in number, too; nothing of it is lost."""
     monkeypatch.setattr('bahrs_driver.reprocess.conversion.MOST_HELD', 200)
     chunks = [chunk._replace(read_at=ORIGIN, raw_at=5 * S) for chunk in flight(4.0)[0]]
-    conversion = Conversion(Pieces(chunks, tmp_path), defaults(), DEVICES['bahrs'])
+    conversion = Conversion(Pieces(chunks, tmp_path), settings_of(), DEVICES['bahrs'])
     kept, held = Kept(), []
     conversion.run(kept, lambda what: held.append(len(conversion._heap)))
     assert max(held) <= 200

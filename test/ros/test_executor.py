@@ -1,32 +1,30 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The executors: they survive failing callbacks, stop when asked, and wait for what they began."""
+"""The executor: it survives failing callbacks, stops when asked, and completes coroutines."""
 
 import contextlib
 import itertools
 import threading
 
-from bahrs_driver.ros.executor import DrainingExecutor, StoppableExecutor
+from bahrs_driver.ros.executor import StoppableExecutor
 from hypothesis import given, HealthCheck, settings, strategies as st
 import pytest
 import rclpy
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.context import Context
+from rclpy.task import Future
 from support.processes import PATIENCE, wait_for
-
-EXECUTORS = [lambda on_error: StoppableExecutor(on_error),
-             lambda on_error: DrainingExecutor(2, on_error)]
 
 
 @contextlib.contextmanager
-def spinning(make_executor, callback, on_error=None):
+def spinning(callback, on_error=pytest.fail):
     """Spin an executor in a thread, with a timer that is due every millisecond."""
     rclpy.init()
     node = rclpy.create_node('ticking')
     node.create_timer(0.001, callback, callback_group=ReentrantCallbackGroup(),
                       clock=Clock(clock_type=ClockType.STEADY_TIME))
-    executor = make_executor(on_error or pytest.fail)
+    executor = StoppableExecutor(on_error)
     executor.add_node(node)
     thread = threading.Thread(target=executor.spin)
     thread.start()
@@ -42,30 +40,43 @@ def spinning(make_executor, callback, on_error=None):
         assert not alive
 
 
-def test_shutdown_waits_for_callbacks(capfd):
-    """No callback is left at work on what is gone."""
-    begun, release, ended = threading.Semaphore(0), threading.Event(), []
+def test_stop_completes_coroutines(capfd):
+    """A coroutine whose future is done when stop() is called continues first."""
+    begun, result, ended = threading.Event(), Future(), []
 
-    def callback():
-        begun.release()
-        assert release.wait(PATIENCE)
-        ended.append(True)
+    async def wait():
+        begun.set()
+        ended.append(await result)
 
-    with spinning(EXECUTORS[1], callback) as (executor, _):
-        assert begun.acquire(timeout=PATIENCE) and begun.acquire(timeout=PATIENCE)
+    with spinning(lambda: None) as (executor, _):
+        executor.create_task(wait)
+        assert begun.wait(PATIENCE)
+        result.set_result('done')
         executor.stop()
-        threading.Timer(0.1, release.set).start()
-        assert executor.shutdown()
-        assert len(ended) >= 2
+    assert ended == ['done']
     assert capfd.readouterr().err == ''
 
 
-@pytest.mark.parametrize('make_executor', EXECUTORS)
+def test_a_waiting_coroutine_delays_no_callback():
+    """Callbacks of the same group run while a coroutine waits in another one."""
+    calls, result = [], Future()
+
+    async def wait():
+        await result
+
+    with spinning(lambda: calls.append(True)) as (executor, _):
+        task = executor.create_task(wait)
+        assert wait_for(lambda: len(calls) > 10)
+        assert not task.done()
+        result.set_result(None)
+        assert wait_for(task.done)
+
+
 @settings(max_examples=8, deadline=None, derandomize=True,
           suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(error=st.sampled_from([LookupError('x'), TypeError(), SystemExit(3), KeyboardInterrupt(),
                               UnicodeDecodeError('utf-8', b'\xff', 0, 1, 'bad'), MemoryError()]))
-def test_a_callback_that_raises(make_executor, error):
+def test_a_callback_that_raises(error):
     """It is reported, and the same callback is called again."""
     numbers, calls, errors = itertools.count(1), [], []
 
@@ -75,7 +86,7 @@ def test_a_callback_that_raises(make_executor, error):
         if number <= 2:
             raise error
 
-    with spinning(make_executor, callback, errors.append):
+    with spinning(callback, errors.append):
         assert wait_for(lambda: len(calls) > 5)
     assert [type(each) for each in errors] == [type(error)] * 2
 
@@ -83,7 +94,7 @@ def test_a_callback_that_raises(make_executor, error):
 def test_a_message_that_cannot_be_taken(monkeypatch):
     """It does not leave its callback group occupied, in which timers are, too."""
     calls, errors = [], []
-    with spinning(EXECUTORS[1], lambda: None, errors.append) as (executor, node):
+    with spinning(lambda: None, errors.append) as (executor, node):
         take, broken = executor._take_timer, threading.Event()
         slow = node.create_timer(3600.0, lambda: calls.append(True))
 
@@ -101,10 +112,9 @@ def test_a_message_that_cannot_be_taken(monkeypatch):
     assert [type(each) for each in errors] == [UnicodeDecodeError]
 
 
-@pytest.mark.parametrize('make_executor', EXECUTORS)
-def test_stop_wakes_an_executor_that_waits_for_nothing(make_executor):
+def test_stop_wakes_an_executor_that_waits_for_nothing():
     """With no timer, spinning would wait for ever."""
-    with spinning(make_executor, lambda: None) as (executor, node):
+    with spinning(lambda: None) as (executor, node):
         node.destroy_timer(next(node.timers))
 
 
@@ -124,7 +134,7 @@ def test_spin_ends_with_its_context():
 def test_waiting_that_fails_is_tried_again(monkeypatch):
     """The cause is reported each time, without a busy loop."""
     calls, errors = [], []
-    with spinning(EXECUTORS[0], lambda: calls.append(True), errors.append) as (executor, _):
+    with spinning(lambda: calls.append(True), errors.append) as (executor, _):
         wait = executor.wait_for_ready_callbacks
 
         def fail(*args):
@@ -140,7 +150,7 @@ def test_waiting_that_fails_is_tried_again(monkeypatch):
 
 def test_a_timeout():
     """spin_once() waits as long as it may."""
-    with spinning(EXECUTORS[0], lambda: None) as (executor, node):
+    with spinning(lambda: None) as (executor, node):
         executor.stop()
     rclpy.init()
     executor = StoppableExecutor(pytest.fail)

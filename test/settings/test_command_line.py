@@ -5,7 +5,7 @@
 from bahrs_driver.settings.command_line import RosArguments
 from hypothesis import given, strategies as st
 import pytest
-from support.settings_of import settings_of
+from support.node_settings import node_settings
 import yaml
 
 
@@ -46,16 +46,16 @@ def test_the_last_rule_beats_every_file_before_it(tmp_path_factory, files, rules
         words += ['--params-file', written(folder, number, key, 'stddev.velocity', value)]
     for value in rules:
         words += ['-p', f'stddev.velocity:={value}']
-    assert settings_of(words)['stddev.velocity'] == rules[-1]
+    assert node_settings(words)[1].stddev.velocity == rules[-1]
 
 
 def test_a_file_after_a_rule_beats_it(tmp_path):
     """So a launch file gives global parameters first, and those of the node after them."""
     file = written(tmp_path, 0, '/**', 'stddev.velocity', 3.0)
     words = ['driver_node', '--ros-args', '-p', 'stddev.velocity:=2.0', '--params-file', file]
-    assert settings_of(words)['stddev.velocity'] == 3.0
+    assert node_settings(words)[1].stddev.velocity == 3.0
 
 
 def test_a_default_is_used_where_nothing_is_given():
     """And a file that names another node gives nothing."""
-    assert settings_of(['driver_node'])['stddev.velocity'] == 0.2
+    assert node_settings(['driver_node'])[1].stddev.velocity == 0.2

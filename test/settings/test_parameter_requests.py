@@ -46,15 +46,16 @@ def parameter(name, kind, **value):
     return Parameter(name=name, value=ParameterValue(type=kind, **value))
 
 
+def call(node, kind, **request):
+    """Call the only service of a type, and return the response."""
+    (service,) = (service for service in node.services if service.srv_type is kind)
+    return service.callback(kind.Request(**request), kind.Response())
+
+
 def answers(node, *parameters):
     """Return what both services say to the same parameters."""
-    requests = node._parameter_requests
-    each = requests._set_parameters_callback(
-        SetParameters.Request(parameters=parameters), SetParameters.Response()).results
-    together = requests._set_parameters_atomically_callback(
-        SetParametersAtomically.Request(parameters=parameters),
-        SetParametersAtomically.Response()).result
-    return each, together
+    return (call(node, SetParameters, parameters=parameters).results,
+            call(node, SetParametersAtomically, parameters=parameters).result)
 
 
 @pytest.mark.parametrize('item, reason', [
@@ -142,12 +143,6 @@ def test_any_request(node, items):
 @given(names=st.lists(NAMES, max_size=4), depth=st.integers(0, 2 ** 64 - 1))
 def test_any_question(node, names, depth):
     """The services that only ask answer, too."""
-    requests = node._parameter_requests
-    requests._get_parameters_callback(
-        GetParameters.Request(names=names), GetParameters.Response())
-    requests._get_parameter_types_callback(
-        GetParameterTypes.Request(names=names), GetParameterTypes.Response())
-    requests._describe_parameters_callback(
-        DescribeParameters.Request(names=names), DescribeParameters.Response())
-    requests._list_parameters_callback(
-        ListParameters.Request(prefixes=names, depth=depth), ListParameters.Response())
+    for kind in (GetParameters, GetParameterTypes, DescribeParameters):
+        call(node, kind, names=names)
+    call(node, ListParameters, prefixes=names, depth=depth)

@@ -4,10 +4,10 @@
 
 import os
 
-from bahrs_driver.settings.table import PARAMETERS
+from bahrs_driver.devices.registry import parameter_table
 from hypothesis import given, HealthCheck, settings, strategies as st
 import pytest
-from support.recorded_settings import values_of
+from support.settings_examples import values_of
 from support.starting import start
 import yaml
 
@@ -80,7 +80,7 @@ ODD = st.one_of(
     st.sampled_from(['', ' ', '~', '*a', '&a', '!!int x', '!!binary x', '[[]]', '{', '1e999',
                      '0x10', '1_000', '.inf', '-.inf', 'on', 'no', '"', '- 1', '? a', '\t', '#']))
 NAMES = st.one_of(
-    st.sampled_from([*(parameter.name for parameter in PARAMETERS), 'use_sim_time',
+    st.sampled_from([*(parameter.name for parameter in parameter_table()), 'use_sim_time',
                      'start_type_description_service', '/**', 'unknown.name',
                      *(f'qos_overrides./imu/data.publisher.{policy}'
                        for policy in ('depth', 'history', 'reliability', 'durability', 'x'))]),
@@ -136,7 +136,8 @@ def test_any_words(monkeypatch, capfd, words):
 
 @settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(values=st.fixed_dictionaries({parameter.name: values_of(parameter)
-                                     for parameter in PARAMETERS if parameter.name != 'port'}))
+                                     for parameter in parameter_table()
+                                     if parameter.name != 'port'}))
 def test_any_valid_values(monkeypatch, capfd, tmp_path, values):
     """The driver starts with them, however they are combined."""
     file = tmp_path / 'my.yaml'

@@ -2,35 +2,63 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the parameter table, and that the files that set parameters fit it."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
+from bahrs_driver.devices.registry import parameter_table
+from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.errors import ParameterError
+from bahrs_driver.settings.group import setting
+from bahrs_driver.settings.node_settings import descriptor
 from bahrs_driver.settings.parameter import Parameter
-from bahrs_driver.settings.table import BY_NAME, PARAMETERS
+from bahrs_driver.settings.table import ParameterTable
+from mypy import api as mypy
 import pytest
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
+BY_NAME = parameter_table().by_name
 
 
-@pytest.mark.parametrize('parameter', PARAMETERS, ids=lambda parameter: parameter.name)
+@pytest.mark.parametrize('parameter', BY_NAME.values(), ids=lambda parameter: parameter.name)
 def test_every_row_is_complete(parameter):
     """A description that is a sentence, a valid default, a descriptor that holds the limits."""
     assert parameter.description.endswith('.')
     parameter.convert(parameter.default)
-    descriptor = parameter.descriptor()
-    assert parameter.description in descriptor.description
-    assert descriptor.read_only == (parameter.name not in (
+    described = descriptor(parameter)
+    assert parameter.description in described.description
+    assert described.read_only == (parameter.name not in (
         'nvm.page', 'nvm.dump_path', 'nvm.enter_timeout', 'nvm.service_frames'))
     if isinstance(parameter.default, float):
-        assert descriptor.floating_point_range[0].to_value == parameter.high
+        assert described.floating_point_range[0].to_value == parameter.high
     for choice in parameter.choices:
-        assert choice in descriptor.additional_constraints
+        assert choice in described.additional_constraints
 
 
-def test_names_are_unique():
-    """No row twice."""
-    assert len(BY_NAME) == len(PARAMETERS)
+def test_devices_share_parameters_or_differ_in_names():
+    """Two devices that define different parameters of one name are a mistake."""
+    @dataclass(frozen=True)
+    class Other(CommonSettings):
+        baud_rate: int = setting(9600, 'Another speed.')
+
+    with pytest.raises(ValueError, match='two devices define the parameter baud_rate'):
+        ParameterTable({'one': CommonSettings, 'other': Other})
+    assert 'port' in ParameterTable({'one': CommonSettings, 'other': CommonSettings}).by_name
+
+
+@pytest.mark.parametrize('expression, error', [
+    ('settings.time.source', ''),
+    ('settings.time.sauce', 'error: "Time" has no attribute "sauce"'),
+    ('settings.time.source == "arival"', 'error: Non-overlapping equality check'),
+    ('settings.stddev.velocity + settings.port', 'error: Unsupported operand types'),
+])
+def test_mypy_checks_settings(tmp_path, expression, error):
+    """A name, a choice and a type that are wrong."""
+    file = tmp_path / 'snippet.py'
+    file.write_text('from bahrs_driver.devices.settings import CommonSettings\n'
+                    f'def f(settings: CommonSettings) -> object: return {expression}\n')
+    report, _, status = mypy.run(['--config-file', str(ROOT / 'setup.cfg'), str(file)])
+    assert error in report and bool(status) == bool(error), report
 
 
 @pytest.mark.parametrize('name, value, sentence', [

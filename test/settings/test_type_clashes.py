@@ -3,9 +3,9 @@
 """Values that rcl does not use because of the type of an earlier one are reported."""
 
 from bahrs_driver.settings.command_line import RosArguments
+from bahrs_driver.settings.parameter_node import ParameterNode
 from bahrs_driver.settings.type_clashes import lost_values
 from hypothesis import given, settings, strategies as st
-import rclpy
 from rclpy.context import Context
 from support.starting import start
 
@@ -20,10 +20,9 @@ def used(words):
     """Return what rcl makes of a parameter of the node, or None."""
     context = Context()
     context.init(['node', *words])
-    node = rclpy.create_node('bahrs_driver', context=context, start_parameter_services=False)
+    node = ParameterNode(RosArguments(), context)
     try:
-        parameter = node._parameter_overrides.get('velocity')
-        return parameter and parameter.value
+        return node.given.get('velocity')
     finally:
         node.destroy_node()
         context.try_shutdown()

@@ -5,32 +5,47 @@
 from pathlib import Path
 import re
 
-from bahrs_driver.devices.registry import DEVICES
-from bahrs_driver.settings.table import BY_NAME, defaults, PARAMETERS
-from bahrs_driver.settings.unused import RATES, unused_parameters, why_unused
+from bahrs_driver.devices.registry import DEVICES, parameter_table
+from bahrs_driver.settings.group import parameters
+from bahrs_driver.transport.link import Link
 from hypothesis import given, HealthCheck, settings, strategies as st
 import pytest
-from support.recorded_settings import RecordedSettings, values_of
+from support.settings_examples import RecordedSettings, values_of
 from support.starting import start
 
 PACKAGE = Path(__file__).resolve().parents[2] / 'bahrs_driver'
-SILENT = dict.fromkeys(RATES, 0.0)
+TABLE = parameter_table()
+SILENT = dict.fromkeys(('state.rate', 'sensors.rate', 'gps.rate'), 0.0)
 
 
-# Read by the node and its services, not by the parts of a sensor.
-OF_THE_NODE = {'port', 'baud_rate'} | {
-    name for folder in ('node', 'transport') for path in (PACKAGE / folder).glob('*.py')
-    for name in re.findall(r"'([a-z_.]+)'", path.read_text())}
+def read_by(file, prefix=''):
+    """Return the parameters that a module of the node reads as attributes of `settings`."""
+    text = (PACKAGE / 'node' / file).read_text()
+    return {prefix + name for name in re.findall(r'settings(?:\(\))?\.([a-z_.]+)', text)}
+
+
+# Read by the node and its services, not by the parts of a device.
+OF_THE_NODE = {'sensor'} | read_by('driver_node.py') | read_by('nvm_services.py', 'nvm.')
 
 
 @settings(max_examples=40)
-@given(st.fixed_dictionaries({parameter.name: values_of(parameter) for parameter in PARAMETERS}))
-def test_what_no_part_reads_is_listed(values):
+@given(st.fixed_dictionaries({row.name: values_of(row) for row in TABLE}))
+def test_each_parameter_is_read_or_listed(values):
     """Whatever the values are; so a parameter that is added for one device names it."""
+    sensor, values = TABLE.settings(values)
     recorded = RecordedSettings(values)
-    DEVICES[values['sensor']].parts(recorded)
-    listed = {name.split()[0] for name in unused_parameters(values, values)}
-    assert set(BY_NAME) - recorded.read - OF_THE_NODE <= listed
+    DEVICES[sensor].parts(recorded).live(Link(values.port, values.baud_rate))
+    listed = {name.split()[0] for name in TABLE.unused(TABLE.by_name, sensor, values)}
+    assert TABLE.by_name.keys() - recorded.read - OF_THE_NODE <= listed
+
+
+@pytest.mark.parametrize('sensor', DEVICES)
+@settings(max_examples=20)
+@given(values=st.fixed_dictionaries({row.name: values_of(row) for row in TABLE}))
+def test_each_unused_name_is_a_parameter_of_the_device(sensor, values):
+    """A misspelled name would never be listed."""
+    _, values = TABLE.settings({**values, 'sensor': sensor})
+    assert {name for name, _ in values.unused()} <= {row.name for row in parameters(values)}
 
 
 @pytest.mark.parametrize('name, values, reason', [
@@ -56,7 +71,7 @@ def test_what_no_part_reads_is_listed(values):
 ])
 def test_reasons(name, values, reason):
     """They name the parameter that decides."""
-    assert why_unused(BY_NAME[name], {**defaults(), **values}) == reason
+    assert TABLE.why_unused(name, *TABLE.settings(TABLE.values(values))) == reason
 
 
 def test_one_warning_lists_them_all(monkeypatch, capfd, tmp_path):
@@ -71,8 +86,8 @@ def test_one_warning_lists_them_all(monkeypatch, capfd, tmp_path):
         '-p', 'qos_overrides./imu/data.publisher.durability:=volatile',
         '-p', 'qos_overrides./imu/data.publisher.depth:=5')
     assert status == 0 and len(lines) == 1
-    for part in ('settings without effect: state.rate (sensor is bahrs); '
-                 "time.sync_pulse.period (time.source is 'device'); "
+    for part in ("settings without effect: time.sync_pulse.period (time.source is 'device'); "
+                 'state.rate (sensor is bahrs); '
                  'baudrate (there is no such parameter, did you mean baud_rate?); '
                  'nothing_like_it (there is no such parameter); ',
                  'qos_overrides./imu/dta.publisher.depth (there is no such publisher, '

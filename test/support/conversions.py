@@ -5,8 +5,8 @@
 from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.reprocess.conversion import Conversion
-from bahrs_driver.settings.table import defaults
 from support.emulated import make_device, make_emulation
+from support.settings_examples import settings_of
 
 S = 1_000_000_000
 ORIGIN = 1_700_000_000 * S
@@ -50,7 +50,7 @@ class Pieces(Capture):
 
 def converted(capture, start=None, sensor='bahrs', **changes):
     """Convert a capture; return what came and the outcome."""
-    settings = {**defaults(), **DEVICES[sensor].recorded_settings, 'sensor': sensor, **changes}
+    settings = settings_of(sensor, **changes).for_recording()
     kept = Kept()
     outcome = Conversion(capture, settings, DEVICES[sensor], start).run(
         kept, lambda what: None)

@@ -12,6 +12,7 @@ from bahrs_driver.convert.bahrs import nvm_page
 from bahrs_driver.convert.bahrs.converter import BahrsConverter, BahrsOptions
 from bahrs_driver.convert.bahrs.integrity_policy import Appraisal
 from bahrs_driver.devices.bahrs.health import BahrsHealth
+from bahrs_driver.devices.bahrs.settings import BahrsSettings, ROS_CLOCK
 from bahrs_driver.devices.parts import LivePart, Parts
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import NvmPage
@@ -22,18 +23,17 @@ from bahrs_driver.transport.nvm_reader import NvmReader
 from bahrs_driver.units import NS_PER_S
 from std_msgs.msg import UInt8MultiArray
 
-ROS_CLOCK = 'ros_clock'
 SILENCE_HINT = ('is the device powered, and is its line connected? A Titan-M sends nothing unless '
                 'asked: for one, set parameter sensor to titan_m')
 
 
-def make_parts(settings: Mapping[str, Any]) -> Parts:
+def make_parts(settings: BahrsSettings) -> Parts:
     """Return new parts for one stream of a BAHRS."""
-    frame_format = BahrsFormat(settings['crc_order'])
+    frame_format = BahrsFormat(settings.crc_order)
     converter = BahrsConverter(_options(settings))
-    reference = settings['time.sync_pulse.reference']
-    silence_timeout = settings['diagnostics.silence_timeout']
-    health = BahrsHealth(converter.signals, settings['diagnostics.rate_tolerance'],
+    reference = settings.time.sync_pulse.reference
+    silence_timeout = settings.diagnostics.silence_timeout
+    health = BahrsHealth(converter.signals, settings.diagnostics.rate_tolerance,
                          silence_timeout)
 
     def protocol() -> Mapping[str, str]:
@@ -46,9 +46,9 @@ def make_parts(settings: Mapping[str, Any]) -> Parts:
         return LivePart(nvm=nvm)
 
     return Parts(
-        Framer(frame_format), BahrsCodec(settings['pressure_height.format']), _clock(settings),
+        Framer(frame_format), BahrsCodec(settings.pressure_height.format), _clock(settings),
         converter, health, silence_timeout, SILENCE_HINT, protocol=protocol, live=live,
-        pulse_topic='' if reference == ROS_CLOCK else reference,
+        time_label=settings.time.label, pulse_topic='' if reference == ROS_CLOCK else reference,
         service_topics={nvm_page.TOPIC: UInt8MultiArray}, service_messages=_service_messages)
 
 
@@ -57,30 +57,30 @@ def _service_messages(message: Any) -> Iterator[tuple[str, Any]]:
         yield nvm_page.TOPIC, nvm_page.message(message.page, message.data)
 
 
-def _clock(settings: Mapping[str, Any]) -> Clock:
-    source, latency = settings['time.source'], round(settings['time.fixed_latency'] * NS_PER_S)
+def _clock(settings: BahrsSettings) -> Clock:
+    source, latency = settings.time.source, round(settings.time.fixed_latency * NS_PER_S)
     if source == 'arrival':
         return ArrivalStamps(latency)
     return SampleClock(ROLES, ClockOptions(
-        source, settings['time.label'], latency,
-        round(settings['time.sync_pulse.period'] * NS_PER_S),
-        settings['time.sync_pulse.reference'] != ROS_CLOCK))
+        source, settings.time.label, latency,
+        round(settings.time.sync_pulse.period * NS_PER_S),
+        settings.time.sync_pulse.reference != ROS_CLOCK))
 
 
-def _options(settings: Mapping[str, Any]) -> BahrsOptions:
+def _options(settings: BahrsSettings) -> BahrsOptions:
     return BahrsOptions(
-        frame_id=settings['frame_id'],
-        world_frame_id=settings['world_frame_id'],
-        convention=CONVENTIONS[settings['frame_convention']],
-        force_stddev=settings['stddev.specific_force'],
-        rate_stddev=settings['stddev.angular_rate'],
-        height_stddev=settings['stddev.pressure_height'],
-        velocity_stddev=settings['stddev.velocity'],
-        declination=math.radians(settings['magnetic_field.declination']),
-        field_strength=settings['magnetic_field.strength'],
-        field_dip=math.radians(settings['magnetic_field.dip']),
-        publish_field=settings['publish.derived_magnetic_field'],
-        appraisal=Appraisal(settings['integrity.risk_policy'],
-                            settings['integrity.risk_inflation']),
-        orientation_fallback=settings['stddev.orientation_fallback'],
-        withhold_incomplete=settings['publish.incomplete'] == 'withhold')
+        frame_id=settings.frame_id,
+        world_frame_id=settings.world_frame_id,
+        convention=CONVENTIONS[settings.frame_convention],
+        force_stddev=settings.stddev.specific_force,
+        rate_stddev=settings.stddev.angular_rate,
+        height_stddev=settings.stddev.pressure_height,
+        velocity_stddev=settings.stddev.velocity,
+        declination=math.radians(settings.magnetic_field.declination),
+        field_strength=settings.magnetic_field.strength,
+        field_dip=math.radians(settings.magnetic_field.dip),
+        publish_field=settings.publish.derived_magnetic_field,
+        appraisal=Appraisal(settings.integrity.risk_policy,
+                            settings.integrity.risk_inflation),
+        orientation_fallback=settings.stddev.orientation_fallback,
+        withhold_incomplete=settings.publish.incomplete == 'withhold')

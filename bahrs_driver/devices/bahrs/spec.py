@@ -5,6 +5,7 @@
 from collections.abc import Collection, Mapping
 from typing import Any, TYPE_CHECKING
 
+from bahrs_driver.devices.bahrs.settings import BahrsSettings
 from bahrs_driver.devices.spec import DeviceSpec
 from bahrs_driver.protocol.bahrs.frames import BahrsFormat, frame_type
 from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation
@@ -16,11 +17,12 @@ if TYPE_CHECKING:
 PERIODS = {Inertial.TYPE: 0.005, Navigation.TYPE: 0.01}     # s
 
 
-class BahrsSpec(DeviceSpec):
+class BahrsSpec(DeviceSpec[BahrsSettings]):
     """A BAHRS."""
 
     name = 'bahrs'
     label = 'BAHRS'
+    settings = BahrsSettings
 
     def frame_format(self) -> FrameFormat:
         """Return the frame format with default settings."""
@@ -44,7 +46,7 @@ class BahrsSpec(DeviceSpec):
         from bahrs_driver.convert.bahrs.converter import LATCHED
         return LATCHED
 
-    def parts(self, settings: Mapping[str, Any]) -> 'Parts':
+    def parts(self, settings: BahrsSettings) -> 'Parts':
         """Return new parts for one stream."""
         from bahrs_driver.devices.bahrs.parts import make_parts
         return make_parts(settings)

@@ -4,7 +4,6 @@
 
 from collections.abc import Iterator, Mapping
 import math
-from typing import Any
 
 from bahrs_driver.clock import ArrivalStamps, Clock, ExchangeClock
 from bahrs_driver.convert.axes import CONVENTIONS
@@ -14,6 +13,7 @@ from bahrs_driver.convert.titan_m.converter import (
 from bahrs_driver.devices.parts import LivePart, Parts
 from bahrs_driver.devices.titan_m.health import TitanHealth
 from bahrs_driver.devices.titan_m.requests_task import RequestsTask
+from bahrs_driver.devices.titan_m.settings import TitanMSettings
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.titan_m.byte_order import PayloadReader
 from bahrs_driver.protocol.titan_m.frames import (
@@ -32,24 +32,24 @@ UNASKED_HINT = ('nothing is asked, as state.rate, gps.rate and sensors.rate are 
 PAUSES = 2.5            # periods of the most frequent answer before the device counts as silent
 
 
-def make_parts(settings: Mapping[str, Any]) -> Parts:
+def make_parts(settings: TitanMSettings) -> Parts:
     """Return new parts for one stream of a Titan-M; if all rates are 0, they make no requests."""
-    frame_format = AnswerFormat(settings['checksum_order'])
+    frame_format = AnswerFormat(settings.checksum_order)
     rates = _rates(settings)
     poller = Poller(rates, frame_format, PollOptions(
-        pipelined=settings['request.pipelined'],
-        timeout=round(settings['request.timeout'] * NS_PER_S),
-        retries=settings['request.retries'],
-        counted_ids=settings['request.message_id'] == 'counted',
-        checksum_order=settings['checksum_order']))
+        pipelined=settings.request.pipelined,
+        timeout=round(settings.request.timeout * NS_PER_S),
+        retries=settings.request.retries,
+        counted_ids=settings.request.message_id == 'counted',
+        checksum_order=settings.checksum_order))
     polls = any(rates.values())
-    reader = PayloadReader[int](settings['payload_order'])
+    reader = PayloadReader[int](settings.payload_order)
     converter = TitanConverter(_options(settings, rates), reader)
     expected = {kind.ANSWER.NAME: rate for kind, rate in rates.items() if rate or not polls}
-    silence_timeout = max(settings['diagnostics.silence_timeout'],
+    silence_timeout = max(settings.diagnostics.silence_timeout,
                           PAUSES / max(rates.values()) if polls else 0.0)
     health = TitanHealth(
-        expected, settings['diagnostics.rate_tolerance'], silence_timeout,
+        expected, settings.diagnostics.rate_tolerance, silence_timeout,
         poller if polls else None, reader, lambda: converter.gps_status,
         lambda: converter.week_problem)
 
@@ -70,58 +70,58 @@ def make_parts(settings: Mapping[str, Any]) -> Parts:
         return LivePart(requester=requester, tasks=[
             RequestsTask(poller, health.stale, lambda: requester.write_error)])
 
-    silence_hint = SILENCE_HINT.format(settings['baud_rate']) if polls else UNASKED_HINT
+    silence_hint = SILENCE_HINT.format(settings.baud_rate) if polls else UNASKED_HINT
     return Parts(Framer(frame_format), AnswerCodec(), _clock(settings), converter, health,
                  silence_timeout, silence_hint, protocol=protocol, live=live,
                  take_notices=converter.take_notices,
                  warnings=tuple(_warnings(settings, rates)))
 
 
-def _rates(settings: Mapping[str, Any]) -> dict[type[TitanRequest], float]:
+def _rates(settings: TitanMSettings) -> dict[type[TitanRequest], float]:
     # Sensors before state: imu/data takes force and rate from them.
-    return {SensorsRequest: settings['sensors.rate'], StateRequest: settings['state.rate'],
-            GpsRequest: settings['gps.rate']}
+    return {SensorsRequest: settings.sensors.rate, StateRequest: settings.state.rate,
+            GpsRequest: settings.gps.rate}
 
 
-def _clock(settings: Mapping[str, Any]) -> Clock:
-    latency = round(settings['time.fixed_latency'] * NS_PER_S)
-    if settings['time.source'] == 'arrival':
+def _clock(settings: TitanMSettings) -> Clock:
+    latency = round(settings.time.fixed_latency * NS_PER_S)
+    if settings.time.source == 'arrival':
         return ArrivalStamps(latency)
     return ExchangeClock(REQUEST_SIZE, latency)
 
 
-def _warnings(settings: Mapping[str, Any],
+def _warnings(settings: TitanMSettings,
               rates: Mapping[type[TitanRequest], float]) -> Iterator[str]:
-    if settings['time.source'] == 'sync_pulse':
+    if settings.time.source == 'sync_pulse':
         yield ("parameter time.source is 'sync_pulse': a titan_m has no sync pulses, stamps are "
                "the middle of request and answer, as with 'device'")
     if not any(rates.values()):
         yield ('parameters state.rate, gps.rate and sensors.rate are all 0: the device is asked '
                'nothing, and what it says to somebody else is taken')
     use = sum(rate * answer_size(kind.ANSWER) for kind, rate in rates.items()) \
-        * byte_time_ns(settings['baud_rate']) / NS_PER_S
+        * byte_time_ns(settings.baud_rate) / NS_PER_S
     if use > 1:
         yield (f'parameters state.rate, gps.rate and sensors.rate ask for {use:.0%} of what the '
-               f"line carries at {settings['baud_rate']} baud: the rates will be lower")
+               f'line carries at {settings.baud_rate} baud: the rates will be lower')
 
 
-def _options(settings: Mapping[str, Any],
+def _options(settings: TitanMSettings,
              rates: Mapping[type[TitanRequest], float]) -> TitanOptions:
     return TitanOptions(
-        frame_id=settings['frame_id'],
-        world_frame_id=settings['world_frame_id'],
-        convention=CONVENTIONS[settings['frame_convention']],
+        frame_id=settings.frame_id,
+        world_frame_id=settings.world_frame_id,
+        convention=CONVENTIONS[settings.frame_convention],
         deviations=TitanDeviations(
-            force=settings['stddev.specific_force'], rate=settings['stddev.angular_rate'],
-            attitude=settings['stddev.attitude'], heading=settings['stddev.heading'],
-            velocity=settings['stddev.velocity'], position=settings['stddev.position'],
-            altitude=settings['stddev.altitude'], field=settings['stddev.magnetic_field'],
-            static_pressure=settings['stddev.static_pressure'],
-            differential_pressure=settings['stddev.differential_pressure'],
-            temperature=settings['stddev.temperature']),
-        declination=math.radians(settings['magnetic_field.declination']),
-        geoid_height=settings['gps.geoid_height'],
-        gps_week=settings['gps.week'],
-        leap_seconds=settings['gps.leap_seconds'],
+            force=settings.stddev.specific_force, rate=settings.stddev.angular_rate,
+            attitude=settings.stddev.attitude, heading=settings.stddev.heading,
+            velocity=settings.stddev.velocity, position=settings.stddev.position,
+            altitude=settings.stddev.altitude, field=settings.stddev.magnetic_field,
+            static_pressure=settings.stddev.static_pressure,
+            differential_pressure=settings.stddev.differential_pressure,
+            temperature=settings.stddev.temperature),
+        declination=math.radians(settings.magnetic_field.declination),
+        geoid_height=settings.gps.geoid_height,
+        gps_week=settings.gps.week,
+        leap_seconds=settings.gps.leap_seconds,
         asked={kind.ANSWER for kind, rate in rates.items() if rate} or None,
-        withhold_incomplete=settings['publish.incomplete'] == 'withhold')
+        withhold_incomplete=settings.publish.incomplete == 'withhold')

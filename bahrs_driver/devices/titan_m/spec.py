@@ -3,9 +3,10 @@
 """The specification of the Titan-M."""
 
 from collections.abc import Mapping
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from bahrs_driver.devices.spec import DeviceSpec
+from bahrs_driver.devices.titan_m.settings import TitanMSettings
 from bahrs_driver.protocol.framing import FrameFormat
 from bahrs_driver.protocol.titan_m.frames import AnswerFormat, build_request, CHECKSUM_ORDERS
 from bahrs_driver.protocol.titan_m.messages import StateRequest
@@ -14,12 +15,12 @@ if TYPE_CHECKING:
     from bahrs_driver.devices.parts import Parts
 
 
-class TitanSpec(DeviceSpec):
+class TitanSpec(DeviceSpec[TitanMSettings]):
     """A Titan-M."""
 
     name = 'titan_m'
     label = 'Titan-M'
-    recorded_settings = dict.fromkeys(('state.rate', 'gps.rate', 'sensors.rate'), 0.0)
+    settings = TitanMSettings
     # The byte order of checksums that the device accepts is not known.
     probe_requests = tuple(build_request(StateRequest, checksum_order=order)
                            for order in CHECKSUM_ORDERS)
@@ -34,7 +35,7 @@ class TitanSpec(DeviceSpec):
         from bahrs_driver.convert.titan_m.converter import TOPICS
         return TOPICS
 
-    def parts(self, settings: Mapping[str, Any]) -> 'Parts':
+    def parts(self, settings: TitanMSettings) -> 'Parts':
         """Return new parts for one stream; without a rate they make no requests."""
         from bahrs_driver.devices.titan_m.parts import make_parts
         return make_parts(settings)

@@ -1,0 +1,140 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""The settings of a Titan-M."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from bahrs_driver.devices import settings as common
+from bahrs_driver.settings.group import Group, setting
+
+ByteOrder = Literal['auto', 'little', 'big']
+RATES = ('state.rate', 'sensors.rate', 'gps.rate')
+# Parameters that only one kind of answer needs.
+OF_STATE = ('stddev.attitude', 'stddev.heading', 'magnetic_field.declination')
+OF_SENSORS = ('stddev.specific_force', 'stddev.magnetic_field', 'stddev.static_pressure',
+              'stddev.differential_pressure', 'stddev.temperature')
+OF_GPS = ('gps.week', 'gps.leap_seconds', 'gps.geoid_height')
+
+
+@dataclass(frozen=True)
+class Stddev(common.Stddev):
+    """Assumed standard deviations; 0 is unknown."""
+
+    attitude: float = setting(
+        0.02, 'Standard deviation of roll and pitch of a titan_m. Nobody has measured it; 0 is '
+        'unknown.', 'rad', low=0.0, high=4.0)
+    heading: float = setting(
+        0.05, 'Standard deviation of the heading of a titan_m. Nobody has measured it; 0 is '
+        'unknown.', 'rad', low=0.0, high=4.0)
+    position: float = setting(
+        2.5, 'Standard deviation of each horizontal component of a position by GPS; 0 is '
+        'unknown.', 'm', low=0.0, high=1000.0)
+    altitude: float = setting(
+        5.0, 'Standard deviation of an altitude by GPS; 0 is unknown.', 'm',
+        low=0.0, high=1000.0)
+    magnetic_field: float = setting(
+        0.0, 'Standard deviation of each component of a measured magnetic field; 0 is unknown.',
+        'T', low=0.0, high=1e-3)
+    static_pressure: float = setting(
+        0.0, 'Standard deviation of a measured static pressure; 0 is unknown.', 'Pa',
+        low=0.0, high=1e5)
+    differential_pressure: float = setting(
+        0.0, 'Standard deviation of the differential pressure; 0 is unknown.', 'Pa',
+        low=0.0, high=1e5)
+    temperature: float = setting(
+        0.0, 'Standard deviation of the temperature; 0 is unknown.', 'K', low=0.0, high=100.0)
+
+
+@dataclass(frozen=True)
+class State(Group):
+    """The answers that hold the state."""
+
+    rate: float = setting(
+        50.0, 'How often to ask a titan_m for its state: attitude, velocity, position; 0 is '
+        'never.', 'Hz', low=0.01, high=1000.0, or_zero=True)
+
+
+@dataclass(frozen=True)
+class Sensors(Group):
+    """The answers that hold what the sensors measure."""
+
+    rate: float = setting(
+        50.0, 'How often to ask a titan_m for what its sensors measure; 0 is never.', 'Hz',
+        low=0.01, high=1000.0, or_zero=True)
+
+
+@dataclass(frozen=True)
+class Gps(Group):
+    """The answers of the GPS, and its time."""
+
+    rate: float = setting(
+        10.0, 'How often to ask a titan_m for its GPS position; 0 is never.', 'Hz',
+        low=0.01, high=1000.0, or_zero=True)
+    week: int = setting(
+        0, 'GPS week since 1980 in which the driver is started, for a host whose clock is not '
+        'set; 0 is unknown. If the clock is set, the week nearest to it is used, and a gps.week '
+        'that contradicts it is reported.', low=0, high=3000)
+    leap_seconds: int = setting(18, 'GPS time less UTC, for time_reference.', 's',
+                                low=0, high=100)
+    geoid_height: float = setting(
+        0.0, 'Added to the altitude of fix: height of the geoid above the ellipsoid, if the '
+        'device gives altitudes above mean sea level, which its document does not say.', 'm',
+        low=-200.0, high=200.0)
+
+
+@dataclass(frozen=True)
+class Request(Group):
+    """How requests are sent."""
+
+    pipelined: bool = setting(
+        False, 'Whether one request of each kind may be under way at once, rather than one at '
+        'all: for adapters that hold bytes back, if the device can take it.')
+    timeout: float = setting(
+        0.2, 'How long to wait for an answer at most. Less, once it is known how long answers '
+        'take.', 's', low=0.01, high=5.0)
+    retries: int = setting(1, 'How often to repeat a request that is not answered.',
+                           low=0, high=10)
+    message_id: Literal['zero', 'counted'] = setting(
+        'zero', 'Message id of requests: zero, byte for byte as in the protocol document, or '
+        'counted, which lets late answers be told if the device sends ids back.')
+
+
+@dataclass(frozen=True)
+class TitanMSettings(common.CommonSettings):
+    """All settings of a Titan-M."""
+
+    stddev: Stddev = Stddev()
+    state: State = State()
+    sensors: Sensors = Sensors()
+    gps: Gps = Gps()
+    request: Request = Request()
+    payload_order: ByteOrder = setting(
+        'auto', 'Byte order of what a titan_m answers: auto tells by what its values can be, and '
+        'holds answers until it knows.')
+    checksum_order: ByteOrder = setting(
+        'auto', 'Byte order of the checksums of a titan_m: auto takes either in answers, and in '
+        'requests tries big, as printed in the protocol document, then little.')
+
+    def unused(self) -> Iterator[tuple[str, str]]:
+        """Yield the parameters that have no effect beside the others, each with the reason."""
+        yield from super().unused()
+        rates = self.state.rate, self.sensors.rate, self.gps.rate
+        if not any(rates):
+            for name in ('pipelined', 'timeout', 'retries', 'message_id'):
+                yield f'request.{name}', f'{", ".join(RATES)} are 0'
+            return
+        for parameter, rate, names in zip(RATES, rates, (OF_STATE, OF_SENSORS, OF_GPS)):
+            if not rate:
+                yield from ((name, f'{parameter} is 0') for name in names)
+
+    def for_recording(self) -> 'TitanMSettings':
+        """Return the settings with which a driver requests nothing, as in a conversion."""
+        return replace(self, state=replace(self.state, rate=0.0),
+                       sensors=replace(self.sensors, rate=0.0), gps=replace(self.gps, rate=0.0))
+
+    def for_file(self) -> 'TitanMSettings':
+        """Return the settings that the parameter file in config/ recommends."""
+        return replace(self, stddev=replace(
+            self.stddev, specific_force=0.05, angular_rate=0.002))      # never measured at rest
