@@ -20,6 +20,7 @@ README = Path(__file__).resolve().parents[1] / 'README.md'
 LEVELS = ('OK', 'WARN', 'ERROR', 'STALE')
 # What stands in the messages of the table for each field.
 EXAMPLES: dict[str, object] = {
+    'access_command': 'sudo usermod -aG dialout you',
     'baud_rate': 115200,
     'command': '"fuser -v /dev/ttyUSB0"',
     'count': 3,
@@ -29,7 +30,6 @@ EXAMPLES: dict[str, object] = {
     'fault': 'publishing inertial failed: OverflowError: too large',
     'found': 'titan_m',
     'gps': 'no fix',
-    'group': 'dialout',
     'hint': 'is the device powered, and is its line connected?',
     'holders': ' (minicom, process 4711)',
     'name': '/dev/ttyUSB0',
@@ -39,7 +39,9 @@ EXAMPLES: dict[str, object] = {
                'used: correct gps.week, or leave it 0',
     'programs': 'cat, process 4711',
     'rates': 'inertial at 180 Hz instead of 200',
-    'remedy': 'lower state.rate, gps.rate or sensors.rate',
+    'rate_remedy': 'lower state.rate, gps.rate or sensors.rate',
+    'reason': 'it belongs to group dialout',
+    'remedy': 'join the group and log in again',
     'sensor': 'bahrs',
     'server': 'socket://host:4001',
     'share': 0.3,

@@ -15,7 +15,7 @@ from bahrs_driver.errors import CommandError
 from bahrs_driver.monitor.page import Page
 from bahrs_driver.monitor.tables import no_driver_hint, record, tables
 from bahrs_driver.monitor.watch import Watch
-from bahrs_driver.ros.start import start_errors
+from bahrs_driver.ros.start_errors import start_errors
 from diagnostic_msgs.msg import DiagnosticStatus
 import rclpy
 from rich.console import Console

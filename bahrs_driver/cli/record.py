@@ -21,7 +21,7 @@ from bahrs_driver.errors import CaptureError, CommandError, ExistingFolderError
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.process.printable import printable
 from bahrs_driver.process.shutdown_event import ShutdownEvent
-from bahrs_driver.ros.start import start_errors
+from bahrs_driver.ros.start_errors import start_errors
 from rich.console import Console
 from rich.markup import escape
 

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator
 import contextlib
 from typing import TypeVar
 
-from bahrs_driver.ros.start import init_ros, start_errors
+from bahrs_driver.ros.start import init_ros
+from bahrs_driver.ros.start_errors import start_errors
 import rclpy
 
 T = TypeVar('T')

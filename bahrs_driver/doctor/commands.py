@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Commands to suggest: safe to paste into a shell, whatever names are in them."""
+"""Build the commands that the doctor suggests, quoted for a shell."""
 
 import shlex
 
@@ -11,13 +11,13 @@ USUAL_BAUD_RATE = 115200
 
 
 def run_driver(port: str, sensor: str = DEFAULT, baud_rate: int = USUAL_BAUD_RATE) -> str:
-    """Return the command that starts a driver, with what differs from its defaults."""
+    """Return the command that starts a driver, with the parameters that are not the defaults."""
     rules = [*([f'sensor:={sensor}'] if sensor != DEFAULT else []), f'port:={port}',
              *([f'baud_rate:={baud_rate}'] if baud_rate != USUAL_BAUD_RATE else [])]
     return f'{RUN_DRIVER} --ros-args ' + ' '.join(f'-p {shlex.quote(rule)}' for rule in rules)
 
 
 def run_doctor(port: str, baud_rate: int = USUAL_BAUD_RATE, ask: bool = False) -> str:
-    """Return the command that looks at a port."""
+    """Return the command that checks a port."""
     rate = ['--baud-rate', str(baud_rate)] if baud_rate != USUAL_BAUD_RATE else []
     return shlex.join(['bahrs', 'doctor', '--port', port, *rate, *(['--ask'] if ask else [])])

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which drivers run, who listens to their topics, and whether they can understand."""
+"""Check the running drivers, and whether the subscribers of their topics are compatible."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -12,41 +12,41 @@ from typing import Any
 from bahrs_driver.devices.driver_graph import find_drivers, node_names, published
 from bahrs_driver.devices.registry import all_topics
 from bahrs_driver.doctor import reports
+from bahrs_driver.doctor.check_result import advice, CheckResult, good, problem
 from bahrs_driver.doctor.commands import RUN_DRIVER, run_driver
-from bahrs_driver.doctor.finding import advice, Finding, good, problem
 from bahrs_driver.ros.node_names import full_name
 from rclpy.node import Node
 from rclpy.qos import qos_check_compatible, QoSCompatibility
 
 DISCOVERY_TIME = 2.0        # s
-PATIENCE = 4.0              # s more, on a busy machine, before there is said to be no driver
+DISCOVERY_TIMEOUT = 4.0     # s more, on a busy machine, before no driver is reported
 OF_EVERY_NODE = ('/rosout', '/parameter_events')
 _POLICIES = ('reliability', 'durability')
 
 
-def look(node: Node, port: str, seconds: float = DISCOVERY_TIME, command: str = '',
-         namespace: str = '') -> Iterator[Finding]:
+def check(node: Node, port: str, seconds: float = DISCOVERY_TIME, command: str = '',
+          namespace: str = '') -> Iterator[CheckResult]:
     """
-    Yield findings about all drivers, or those of a namespace, as a node sees them.
+    Check all drivers, or those of a namespace, as a node sees them.
 
-    command is the one that starts a driver for the device on the port. Topics below the node's
-    own namespace are looked at, too, even if other nodes publish them.
+    command starts a driver for the device on the port. Topics in the node's own namespace are
+    checked, too, even if other nodes publish them.
     """
-    time.sleep(seconds)             # what is there can only be waited for
-    end = time.monotonic() + PATIENCE
+    time.sleep(seconds)             # discovery does not report when it is complete
+    end = time.monotonic() + DISCOVERY_TIMEOUT
     while not (found := _publishers(node, namespace)) and time.monotonic() < end:
         time.sleep(0.1)
-        if _publishers(node, namespace):        # late: so will be the others
+        if _publishers(node, namespace):        # late: the others will be, too
             time.sleep(seconds)
     if not found:
         yield _no_driver(node, namespace, command or run_driver(port))
         return
     for name, topics in found.items():
         yield good('driver', f'{name} publishes {len(topics)} topics'.lstrip())
-    yield from reports.look(node, [name for name in found if name])
+    yield from reports.check(node, [name for name in found if name])
     wrong = [*_shared_names(node, found),
-             *(finding for topic in dict.fromkeys([*sum(found.values(), []), reports.DIAGNOSTICS])
-               for finding in _topic(node, topic))]
+             *(result for topic in dict.fromkeys([*sum(found.values(), []), reports.DIAGNOSTICS])
+               for result in _topic(node, topic))]
     yield from wrong
     if not wrong:
         yield good('subscribers', 'all fit what the driver publishes')
@@ -63,16 +63,16 @@ def _publishers(node: Node, namespace: str) -> dict[str, list[str]]:
     return {**drivers, **({'': others} if others else {})}
 
 
-def _no_driver(node: Node, namespace: str, command: str) -> Finding:
+def _no_driver(node: Node, namespace: str, command: str) -> CheckResult:
     others = find_drivers(node)
     if not others:
-        return advice('driver', 'no driver is heard: nothing to compare subscribers with', command)
-    return advice('driver', f'no driver is heard in namespace {namespace}, but '
+        return advice('driver', 'no driver runs: no subscribers can be checked', command)
+    return advice('driver', f'no driver runs in namespace {namespace}, but '
                             f'{" and ".join(others)} elsewhere',
                   shlex.join(['bahrs', 'monitor', '--node', others[0]]))
 
 
-def _shared_names(node: Node, drivers: dict[str, list[str]]) -> Iterator[Finding]:
+def _shared_names(node: Node, drivers: dict[str, list[str]]) -> Iterator[CheckResult]:
     count = Counter(node_names(node))
     for name in drivers:
         if count[name] > 1:
@@ -81,7 +81,7 @@ def _shared_names(node: Node, drivers: dict[str, list[str]]) -> Iterator[Finding
                                     '-r __node:=other')
 
 
-def _topic(node: Node, topic: str) -> Iterator[Finding]:
+def _topic(node: Node, topic: str) -> Iterator[CheckResult]:
     publishers = node.get_publishers_info_by_topic(topic)
     if len(publishers) > 1 and topic != reports.DIAGNOSTICS:
         names = ' and '.join(sorted(_name(info) for info in publishers))
@@ -92,10 +92,11 @@ def _topic(node: Node, topic: str) -> Iterator[Finding]:
         yield from _pair(topic, publisher, subscriber)
 
 
-def _pair(topic: str, publisher: Any, subscriber: Any) -> Iterator[Finding]:
+def _pair(topic: str, publisher: Any, subscriber: Any) -> Iterator[CheckResult]:
     if publisher.topic_type != subscriber.topic_type:
-        yield problem('subscribers', f'{_name(subscriber)} takes {topic} for a '
-                                     f'{subscriber.topic_type}: it is a {publisher.topic_type}',
+        yield problem('subscribers', f'{_name(subscriber)} subscribes to {topic} as '
+                                     f'{subscriber.topic_type}: its type is '
+                                     f'{publisher.topic_type}',
                       shlex.join(['ros2', 'topic', 'info', '--verbose', topic]))
         return
     fits, _ = qos_check_compatible(publisher.qos_profile, subscriber.qos_profile)
@@ -106,7 +107,7 @@ def _pair(topic: str, publisher: Any, subscriber: Any) -> Iterator[Finding]:
         wanted = getattr(subscriber.qos_profile, policy)
         if offered != wanted:
             yield problem(
-                'subscribers', f'{_name(subscriber)} hears nothing of {topic}: it wants '
+                'subscribers', f'{_name(subscriber)} receives nothing on {topic}: it requests '
                 f'{policy} {wanted.short_key}, the driver offers {offered.short_key}',
                 f'{RUN_DRIVER} --ros-args -p '
                 + shlex.quote(f'qos_overrides.{topic}.publisher.{policy}:={wanted.short_key}'))

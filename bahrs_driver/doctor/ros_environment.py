@@ -1,27 +1,30 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether nodes started here find ROS, this package, and each other."""
+"""Check whether nodes started here find ROS, this package and each other, and can log."""
 
 from collections.abc import Iterator, Mapping
 import os
 from pathlib import Path
 import re
+import shlex
+import tempfile
 
-from bahrs_driver.doctor.finding import advice, Finding, good, problem
-from bahrs_driver.process.printable import printable
-from bahrs_driver.ros.start import middlewares, SAFE_DOMAIN, valid_domain
+from bahrs_driver.doctor.check_result import advice, CheckResult, good, Prevents, problem
+from bahrs_driver.ros.environment import (
+    ament_prefixes, DISTRIBUTION, environment_problems, log_directory, log_problem, middlewares,
+    SAFE_DOMAIN,
+)
 
 PACKAGE = 'bahrs_driver'
-DISTRIBUTION = 'jazzy'
 RANGES = ('SUBNET', 'LOCALHOST', 'OFF', 'SYSTEM_DEFAULT')
 
 
-def look(environment: Mapping[str, str], has_rclpy: bool, python: Path) -> Iterator[Finding]:
-    """Yield findings about the variables of ROS; python is the prefix of this Python."""
-    prefixes = [Path(item) for item in environment.get('AMENT_PREFIX_PATH', '').split(':') if item]
+def check(environment: Mapping[str, str], has_rclpy: bool, python: Path) -> Iterator[CheckResult]:
+    """Check the variables of ROS; python is the prefix of this Python."""
+    prefixes = ament_prefixes(environment)
     if not has_rclpy:
         yield problem('ROS', 'rclpy cannot be imported: the set-up of ROS was not sourced',
-                      f'source /opt/ros/{DISTRIBUTION}/setup.bash')
+                      f'source /opt/ros/{DISTRIBUTION}/setup.bash', Prevents.ROS)
         return
     if prefixes:
         yield from _distribution(environment, prefixes)
@@ -29,17 +32,24 @@ def look(environment: Mapping[str, str], has_rclpy: bool, python: Path) -> Itera
     else:
         yield good('ROS', f'comes from the Python packages in {python}: driver_node and bahrs are '
                           'in its bin, and there is no ros2 command')
-    yield from _middleware(environment, python)
-    yield _domain(environment)
+    problems = list(environment_problems(environment, python, SAFE_DOMAIN))
+    for found in problems:
+        yield problem(*found, Prevents.ROS)
+    failed = {found.check for found in problems}
+    if 'middleware' not in failed:
+        yield _middleware(environment, python)
+    if 'domain' not in failed:
+        yield _domain(environment)
     yield from _range(environment)
+    yield _log_files(environment)
 
 
-def _distribution(environment: Mapping[str, str], prefixes: list[Path]) -> Iterator[Finding]:
+def _distribution(environment: Mapping[str, str], prefixes: list[Path]) -> Iterator[CheckResult]:
     found = sorted({match[1] for prefix in prefixes
                     if (match := re.match(r'/opt/ros/(\w+)', str(prefix)))})
     if len(found) > 1:
-        yield problem('ROS', f'{" and ".join(found)} are sourced in the same shell: begin a new '
-                             'one with one of them',
+        yield problem('ROS', f'{" and ".join(found)} are sourced in the same shell: start a new '
+                             'shell with one of them',
                       f'env -i HOME="$HOME" bash --rcfile /opt/ros/{DISTRIBUTION}/setup.bash')
         return
     name = environment.get('ROS_DISTRO') or ''.join(found)
@@ -50,7 +60,7 @@ def _distribution(environment: Mapping[str, str], prefixes: list[Path]) -> Itera
         yield good('ROS', f'is {name or "there, of no named distribution"}')
 
 
-def _package(prefixes: list[Path]) -> Iterator[Finding]:
+def _package(prefixes: list[Path]) -> Iterator[CheckResult]:
     index = f'share/ament_index/resource_index/packages/{PACKAGE}'
     where = next((prefix for prefix in prefixes if os.path.exists(prefix / index)), None)
     if where:
@@ -60,37 +70,28 @@ def _package(prefixes: list[Path]) -> Iterator[Finding]:
                                 'does not find it', 'source install/setup.bash')
 
 
-def _middleware(environment: Mapping[str, str], python: Path) -> Iterator[Finding]:
-    there, chosen = middlewares(environment, python), environment.get('RMW_IMPLEMENTATION', '')
-    if chosen and there and chosen not in there:
-        known = re.fullmatch(r'rmw_\w+', chosen, re.ASCII)
-        yield problem('middleware', f'RMW_IMPLEMENTATION is {chosen}, which is not installed; '
-                                    f'there is {", ".join(there)}',
-                      f'sudo apt install ros-{DISTRIBUTION}-{chosen.replace("_", "-")}'
-                      if known else 'unset RMW_IMPLEMENTATION')
-    elif chosen:
-        yield good('middleware', f'is {chosen}, as RMW_IMPLEMENTATION says: that of every other '
-                                 'machine must be the same')
-    else:
-        default = 'the default' + (f' (there is {", ".join(there)})' if there else '')
-        yield good('middleware', f'is {default}')
+def _middleware(environment: Mapping[str, str], python: Path) -> CheckResult:
+    installed = middlewares(environment, python)
+    chosen = environment.get('RMW_IMPLEMENTATION', '')
+    if chosen:
+        return good('middleware', f'is {chosen}, as RMW_IMPLEMENTATION says: that of every other '
+                                  'machine must be the same')
+    there = f' (there is {", ".join(installed)})' if installed else ''
+    return good('middleware', f'is the default{there}')
 
 
-def _domain(environment: Mapping[str, str]) -> Finding:
+def _domain(environment: Mapping[str, str]) -> CheckResult:
     text = environment.get('ROS_DOMAIN_ID', '')
     if not text:
         return good('domain', 'is 0, the default')
-    if valid_domain(text, SAFE_DOMAIN):
-        return good('domain', f'is {text}: whoever listens must have the same ROS_DOMAIN_ID')
-    return problem('domain', f"ROS_DOMAIN_ID is '{printable(text)}': it must be a number from 0 "
-                             f'to {SAFE_DOMAIN}', 'export ROS_DOMAIN_ID=0')
+    return good('domain', f'is {text}: every subscriber must have the same ROS_DOMAIN_ID')
 
 
-def _range(environment: Mapping[str, str]) -> Iterator[Finding]:
+def _range(environment: Mapping[str, str]) -> Iterator[CheckResult]:
     chosen = environment.get('ROS_AUTOMATIC_DISCOVERY_RANGE', '')
     if environment.get('ROS_LOCALHOST_ONLY') == '1':
         yield advice('discovery', 'ROS_LOCALHOST_ONLY=1 hides all nodes of other machines, and is '
-                                  'out of use in Jazzy', 'unset ROS_LOCALHOST_ONLY')
+                                  'deprecated in Jazzy', 'unset ROS_LOCALHOST_ONLY')
     if chosen and chosen not in RANGES:
         yield problem('discovery', f'ROS_AUTOMATIC_DISCOVERY_RANGE is {chosen!r}: it must be '
                                    f'{", ".join(RANGES)}', 'unset ROS_AUTOMATIC_DISCOVERY_RANGE')
@@ -101,3 +102,12 @@ def _range(environment: Mapping[str, str]) -> Iterator[Finding]:
         yield good('discovery', 'nodes of this machine only')
     else:
         yield good('discovery', 'nodes of this network')
+
+
+def _log_files(environment: Mapping[str, str]) -> CheckResult:
+    reason = log_problem(environment)
+    if not reason:
+        return good('log files', f'go to {log_directory(environment)}')
+    folder = Path(tempfile.gettempdir()) / 'ros_logs'
+    return advice('log files', f'nodes write none: {reason}',
+                  f'export ROS_LOG_DIR={shlex.quote(str(folder))}')

@@ -13,7 +13,8 @@ from bahrs_driver.process.exit_timer import exit_after
 from bahrs_driver.process.printable import printable
 from bahrs_driver.process.shutdown_event import end_process, EXIT_TIME, ShutdownEvent
 from bahrs_driver.ros.executor import StoppableExecutor
-from bahrs_driver.ros.start import init_ros, start_errors
+from bahrs_driver.ros.start import init_ros
+from bahrs_driver.ros.start_errors import start_errors
 from bahrs_driver.settings.command_line import RosArguments, split
 from bahrs_driver.settings.parameter_files import is_pipe
 import rclpy

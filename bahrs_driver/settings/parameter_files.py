@@ -25,7 +25,7 @@ def is_pipe(file: str) -> bool:
     return path.exists() and not path.is_file() and not path.is_dir()
 
 
-def problem(file: str) -> str | None:
+def file_problem(file: str) -> str | None:
     """Return a sentence about why a file cannot be used; None if no reason is found."""
     name = printable(file)
     try:

@@ -1,17 +1,15 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Why a port cannot be used, in one sentence with a remedy.
+Explain in one sentence why a port cannot be used, with a remedy.
 
-Explaining looks at the system once more, which may fail in its own way. So everything here is
+An explanation reads the state of the system again, which may fail in its own way. So all of it is
 behind one guard: an error that cannot be explained is still reported.
 """
 
 from collections.abc import Callable
 import errno
-import grp
 import os
-import pwd
 import shlex
 import socket
 import stat
@@ -20,6 +18,8 @@ from typing import NamedTuple
 
 from bahrs_driver.errors import DeviceNotFound, LinkError
 from bahrs_driver.process.printable import printable
+from bahrs_driver.transport.machine import Machine
+from bahrs_driver.transport.port_access import access_advice
 from bahrs_driver.transport.processes import holders, Process
 from bahrs_driver.transport.tcp import CONNECT_TIMEOUT, ConnectionClosed, DEAD_AFTER
 
@@ -33,20 +33,20 @@ PSEUDO_TERMINALS = range(136, 144)      # major numbers
 
 MISSING = '{name} does not exist: plug the device in, or name another port'
 GONE = '{name} is gone: plug it in again, the driver will find it'
-NOT_IN_GROUP = ('{name} may not be opened by user {user}: join its group with "sudo usermod -aG '
-                '{group} {user}" and log in again')
+FORBIDDEN_TO_USER = ('{name} may not be opened by user {user}: {reason}; {remedy}: '
+                     '"{access_command}"')
 IN_USE_BY = '{name} is in use by another program{holders}: see {command}'
 CONNECTION_LOST = '{server} is gone: {why_lost}; the driver goes on trying'
 # What is wrong with a port, for the table in the README.
 CAUSES = {'a missing port': MISSING, 'a port that was pulled out': GONE,
-          'a port that the user may not open': NOT_IN_GROUP, 'a port in use': IN_USE_BY,
+          'a port that the user may not open': FORBIDDEN_TO_USER, 'a port in use': IN_USE_BY,
           'a serial server that lost power': CONNECTION_LOST}
 
 
 class Target(NamedTuple):
     """The port that an error is about."""
 
-    name: str               # safe to show
+    name: str               # in printable form
     path: str               # of the device; empty for a server
     baud_rate: int
     was_open: bool          # earlier in this run
@@ -72,7 +72,7 @@ def why_not_written(target: Target, error: Exception) -> LinkError:
 
 
 def described(process: Process) -> str:
-    """Return the name and number of a process, safe to show."""
+    """Return the name and number of a process in printable form."""
     this = ', which is this one' if process.pid == os.getpid() else ''
     return f'{printable(process.name, 40)}, process {process.pid}{this}'
 
@@ -83,7 +83,7 @@ def list_command(path: str) -> str:
 
 
 def plain(error: BaseException) -> str:
-    """Return what an exception says, on one line and without numbers of errors."""
+    """Return the text of an exception on one line, without the number of the error."""
     try:
         # pyserial puts the cause's text, errno and all, at the end of a sentence of its own.
         text = getattr(error, 'strerror', None) or str(error)
@@ -110,7 +110,7 @@ def _why_no_device(target: Target, error: Exception) -> LinkError:
         return _gone(target) if target.was_open else LinkError(
             MISSING.format(name=name), absent=True)
     if code in FORBIDDEN:
-        return LinkError(_why_forbidden(target))
+        return LinkError(_why_forbidden(target, error))
     if code in IN_USE:
         return LinkError(_why_in_use(target))
     if code in NO_MORE_FILES:
@@ -124,31 +124,22 @@ def _why_no_device(target: Target, error: Exception) -> LinkError:
     if code in (None, errno.EINVAL, errno.ERANGE):
         return LinkError(f'{name} does not support {target.baud_rate} baud: set baud_rate to '
                          'that of the device')
-    return LinkError(f'{name} cannot be opened: {plain(error)}; "bahrs doctor --port '
-                     f'{shlex.quote(printable(target.path))}" looks for the reason')
+    return LinkError(_cannot_open(target, error))
 
 
-def _why_forbidden(target: Target) -> str:
-    user = _user_name(os.geteuid())
-    sentence = f'{target.name} may not be opened by user {user}'
-    folder = _closed_folder(target.path)
-    if folder:
-        return (f'{sentence}: they may not enter {printable(folder)}, whose mode is '
-                f'{stat.filemode(os.stat(folder).st_mode)}')
-    info = os.stat(target.path)
-    if info.st_gid and info.st_mode & stat.S_IRGRP and info.st_mode & stat.S_IWGRP:
-        return NOT_IN_GROUP.format(name=target.name, group=_group_name(info.st_gid), user=user)
-    return (f'{sentence}: its mode is {stat.filemode(info.st_mode)}, a udev rule with '
-            'MODE="0660", GROUP="dialout" would let the group dialout use it')
+def _cannot_open(target: Target, error: Exception) -> str:
+    return (f'{target.name} cannot be opened: {plain(error)}; "bahrs doctor --port '
+            f'{shlex.quote(printable(target.path))}" looks for the reason')
 
 
-def _closed_folder(path: str) -> str:
-    """Return the first folder on the way to a path that may not be entered; '' if none."""
-    way = os.path.dirname(os.path.abspath(path))
-    folders = [way]
-    while (parent := os.path.dirname(way)) != way:
-        folders.append(way := parent)
-    return next((folder for folder in reversed(folders) if not os.access(folder, os.X_OK)), '')
+def _why_forbidden(target: Target, error: Exception) -> str:
+    machine = Machine()
+    advice = access_advice(machine, os.path.abspath(target.path))
+    if advice is None:
+        return _cannot_open(target, error)
+    return FORBIDDEN_TO_USER.format(
+        name=target.name, user=machine.user.name, reason=advice.reason, remedy=advice.remedy,
+        access_command=advice.command)
 
 
 def _why_in_use(target: Target) -> str:
@@ -233,17 +224,3 @@ def _is_pseudo_terminal(path: str) -> bool:
         return os.major(os.stat(path).st_rdev) in PSEUDO_TERMINALS
     except OSError:
         return False
-
-
-def _user_name(uid: int) -> str:
-    try:
-        return pwd.getpwuid(uid).pw_name
-    except KeyError:
-        return str(uid)
-
-
-def _group_name(gid: int) -> str:
-    try:
-        return grp.getgrgid(gid).gr_name
-    except KeyError:
-        return str(gid)

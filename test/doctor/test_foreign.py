@@ -7,12 +7,12 @@ from pathlib import Path
 import shlex
 import tempfile
 
-from bahrs_driver.doctor import ros_environment, ros_logging
+from bahrs_driver.doctor import ros_environment
 from bahrs_driver.doctor.commands import run_doctor, run_driver
-from bahrs_driver.doctor.machine import Machine, User
 from bahrs_driver.doctor.reports import Reports
-from bahrs_driver.doctor.usb_port import look
+from bahrs_driver.doctor.usb_port import check_name, check_port
 from bahrs_driver.process.printable import printable
+from bahrs_driver.transport.machine import Machine, User
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from hypothesis import given, settings, strategies as st
 from rclpy.serialization import serialize_message
@@ -32,12 +32,12 @@ FILES = st.dictionaries(
     CONTENTS)
 
 
-def are_safe(findings):
-    """Assert that findings can be shown, and their commands pasted into a shell."""
-    for finding in findings:
-        assert printable(finding.message, 2000).isprintable()
-        assert finding.command == '' or shlex.split(finding.command)
-        assert 'reboot' not in shlex.split(finding.command)
+def are_safe(results):
+    """Assert that results can be shown, and their commands pasted into a shell."""
+    for result in results:
+        assert printable(result.message, 2000).isprintable()
+        assert result.command == '' or shlex.split(result.command)
+        assert 'reboot' not in shlex.split(result.command)
 
 
 @settings(max_examples=100)
@@ -55,7 +55,8 @@ def test_any_machine(name, files, port):
             (root / file).write_bytes(content)
         for user in (User('pilot', 4711, frozenset()), User('root', 0, frozenset())):
             machine = Machine(root, user, {})
-            are_safe(look(machine, port.format(name), f'/{name}/99-bahrs.rules'))
+            port, rule = port.format(name), f'/{name}/99-bahrs.rules'
+            are_safe([*check_port(machine, port, rule), *check_name(machine, port, rule)])
 
 
 @given(variables=st.dictionaries(
@@ -66,8 +67,7 @@ def test_any_machine(name, files, port):
     has_rclpy=st.booleans())
 def test_any_environment(variables, has_rclpy):
     """Variables come from the user's shell, and from whatever set them there."""
-    are_safe(ros_environment.look(variables, has_rclpy, Path('/nowhere')))
-    are_safe(ros_logging.look(variables))
+    are_safe(ros_environment.check(variables, has_rclpy, Path('/nowhere')))
 
 
 LEVELS = st.binary(min_size=1, max_size=1)
@@ -86,10 +86,10 @@ def test_any_diagnostics(statuses, damage):
     reports.add(serialize_message(DiagnosticArray(status=[
         *statuses, DiagnosticStatus(name='bahrs_driver: Link', level=b'\2', message='\x1bc')])))
     reports.add(damage)
-    findings = list(reports.findings())
-    are_safe(findings)
-    assert any('\x1bc' in finding.message for finding in findings)
-    assert findings[-1].message.startswith('/left/front reports nothing')
+    results = list(reports.results())
+    are_safe(results)
+    assert any('\x1bc' in result.message for result in results)
+    assert results[-1].message.startswith('/left/front reports nothing')
 
 
 @given(port=st.one_of(NAMES, TEXTS).filter(bool), rate=st.integers(1, 10 ** 7))

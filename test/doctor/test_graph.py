@@ -5,8 +5,8 @@
 import contextlib
 
 from bahrs_driver.devices.driver_graph import find_drivers, node_names
-from bahrs_driver.doctor.finding import Level
-from bahrs_driver.doctor.graph import look
+from bahrs_driver.doctor.check_result import Level
+from bahrs_driver.doctor.graph import check
 import pytest
 import rclpy
 from rclpy.context import Context
@@ -35,7 +35,7 @@ def node():
         yield node
 
 
-def findings(node, publishers, subscribers):
+def results(node, publishers, subscribers):
     """Return what is found when so many of both are known."""
     def known(endpoints):
         return sum(info.node_name in ('patient', 'other') for info in endpoints)
@@ -43,21 +43,21 @@ def findings(node, publishers, subscribers):
     topic = '/made_up/imu/data'
     assert wait_for(lambda: known(node.get_publishers_info_by_topic(topic)) == publishers
                     and known(node.get_subscriptions_info_by_topic(topic)) == subscribers, 60)
-    return {finding.check: finding for finding in look(node, '/dev/ttyUSB7', 0.0)}
+    return {result.check: result for result in check(node, '/dev/ttyUSB7', 0.0)}
 
 
 def test_no_driver(node):
     """It is said."""
-    finding = findings(node, 0, 0)['driver']
-    assert 'no driver is heard' in finding.message
-    assert finding.command.endswith('port:=/dev/ttyUSB7')
+    result = results(node, 0, 0)['driver']
+    assert 'no driver runs' in result.message
+    assert result.command.endswith('port:=/dev/ttyUSB7')
 
 
 def test_a_subscriber_that_fits(node):
     """There is nothing to mend."""
     node.create_publisher(Imu, 'imu/data', 100)
     node.create_subscription(Imu, 'imu/data', lambda message: None, 10)
-    found = findings(node, 1, 1)
+    found = results(node, 1, 1)
     assert found['driver'].message == 'publishes 1 topics'
     assert found['subscribers'].level is Level.OK
 
@@ -67,10 +67,10 @@ def test_a_subscriber_that_wants_more_than_is_offered(node):
     node.create_publisher(Imu, 'imu/data', 100)
     node.create_subscription(Imu, 'imu/data', lambda message: None, QoSProfile(
         depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL))
-    finding = findings(node, 1, 1)['subscribers']
-    assert finding.level is Level.PROBLEM
-    assert 'wants durability transient_local, the driver offers volatile' in finding.message
-    assert finding.command.endswith(
+    result = results(node, 1, 1)['subscribers']
+    assert result.level is Level.PROBLEM
+    assert 'requests durability transient_local, the driver offers volatile' in result.message
+    assert result.command.endswith(
         '-p qos_overrides./made_up/imu/data.publisher.durability:=transient_local')
 
 
@@ -79,18 +79,18 @@ def test_a_subscriber_of_another_type(node):
     node.create_publisher(Imu, 'imu/data', 100)
     with made_node('other') as other:       # in one context the middleware would not have it
         other.create_subscription(FluidPressure, 'imu/data', lambda message: None, 10)
-        finding = findings(node, 1, 1)['subscribers']
-    assert finding.level is Level.PROBLEM
-    assert '/made_up/other takes /made_up/imu/data for a sensor_msgs/msg/FluidPressure' \
-        in finding.message
+        result = results(node, 1, 1)['subscribers']
+    assert result.level is Level.PROBLEM
+    assert '/made_up/other subscribes to /made_up/imu/data as sensor_msgs/msg/FluidPressure' \
+        in result.message
 
 
 def test_two_drivers(node):
     """One of them needs a namespace."""
     node.create_publisher(Imu, 'imu/data', 100)
     node.create_publisher(Imu, 'imu/data', 100)
-    finding = findings(node, 2, 0)['publishers']
-    assert finding.level is Level.PROBLEM and 'both publish' in finding.message
+    result = results(node, 2, 0)['publishers']
+    assert result.level is Level.PROBLEM and 'both publish' in result.message
 
 
 def test_a_driver_elsewhere(node):
@@ -98,17 +98,17 @@ def test_a_driver_elsewhere(node):
     with running('driver_node', '--ros-args', '-p', 'port:=/nowhere', '-r', '__ns:=/left',
                  '-r', '__node:=front'):
         assert wait_for(lambda: '/left/front' in find_drivers(node), 60)
-        found = list(look(node, '/dev/ttyUSB7', 0.0))
-        (driver,) = (finding for finding in found if finding.check == 'driver')
+        found = list(check(node, '/dev/ttyUSB7', 0.0))
+        (driver,) = (result for result in found if result.check == 'driver')
         assert driver.level is Level.OK
         assert driver.message.startswith('/left/front publishes ')
-        assert not any('driver_node' in finding.command for finding in found)
-        (health,) = (finding for finding in found if finding.check == 'health')
+        assert not any('driver_node' in result.command for result in found)
+        (health,) = (result for result in found if result.check == 'health')
         assert health.level is Level.PROBLEM
         assert health.message.startswith('/left/front reports: Link: /nowhere does not exist')
         assert health.command == 'bahrs monitor --node /left/front'
-        (driver,) = look(node, '/dev/ttyUSB7', 0.0, namespace='/right')
-        assert driver.message == ('no driver is heard in namespace /right, but /left/front '
+        (driver,) = check(node, '/dev/ttyUSB7', 0.0, namespace='/right')
+        assert driver.message == ('no driver runs in namespace /right, but /left/front '
                                   'elsewhere')
         assert driver.command == 'bahrs monitor --node /left/front'
 
@@ -121,6 +121,6 @@ def test_two_drivers_of_one_name(node):
                                         '-r', '__ns:=/left'))
         assert wait_for(lambda: node_names(node).count('/left/bahrs_driver') == 2
                         and find_drivers(node), 60)
-        messages = [finding.message for finding in look(node, '/dev/ttyUSB7', 0.0)]
+        messages = [result.message for result in check(node, '/dev/ttyUSB7', 0.0)]
     assert '2 nodes are named /left/bahrs_driver: their diagnostics cannot be told apart' \
         in messages

@@ -3,8 +3,8 @@
 """Tests of what the doctor hears on a port."""
 
 from bahrs_driver.doctor import listening
-from bahrs_driver.doctor.finding import Level
-from bahrs_driver.doctor.listening import Heard, look
+from bahrs_driver.doctor.check_result import Level
+from bahrs_driver.doctor.listening import check, ProbeResult
 from bahrs_driver.virtual_serial.pty_port import PtyPort
 import pytest
 from support.devices import Device
@@ -14,23 +14,23 @@ from support.processes import running, wait_for
 def test_a_device_that_speaks():
     """Version and rate are told; nothing is written to it."""
     with PtyPort() as cable, Device(cable):
-        found = list(look(cable.path, 115200, seconds=30.0))
-    assert [finding.level for finding in found] == [Level.OK]
+        found = list(check(cable.path, 115200, seconds=30.0))
+    assert [result.level for result in found] == [Level.OK]
     assert 'a BAHRS of protocol version 3 sends at 115200 baud' in found[0].message
 
 
 def test_silence():
     """It is told what to look at."""
     with PtyPort() as cable:
-        found = list(look(cable.path, 115200, seconds=0.2))
-    assert [finding.level for finding in found] == [Level.PROBLEM]
+        found = list(check(cable.path, 115200, seconds=0.2))
+    assert [result.level for result in found] == [Level.PROBLEM]
     assert 'nothing arrives' in found[0].message
 
 
 def test_no_port():
     """What opening it says is said."""
-    (finding,) = look('/dev/does_not_exist', 115200)
-    assert finding.level is Level.PROBLEM and 'does not exist' in finding.message
+    (result,) = check('/dev/does_not_exist', 115200)
+    assert result.level is Level.PROBLEM and 'does not exist' in result.message
 
 
 @pytest.fixture
@@ -38,32 +38,32 @@ def heard(monkeypatch):
     """Return a list of the rates listened at; frames come only at the rate that is set."""
     rates = []
 
-    def listen(port, rate, seconds, ask):
+    def probe(port, rate, seconds, ask):
         rates.append(rate)
         if rate != heard.speaks_at:
-            return Heard(rate, 900)
-        return Heard(rate, 900, 'BAHRS of protocol version 2', 'bahrs', 20, 0)
+            return ProbeResult(rate, 900)
+        return ProbeResult(rate, 900, 'BAHRS of protocol version 2', 'bahrs', 20, 0)
 
     def heard():
         return rates
 
     heard.speaks_at = 0
-    monkeypatch.setattr(listening, 'listen', listen)
+    monkeypatch.setattr(listening, 'probe', probe)
     return heard
 
 
 def test_another_rate(heard):
     """It is found, and the command has it."""
     heard.speaks_at = 57600
-    wrong, right = look('/dev/ttyUSB0', 115200)
+    wrong, right = check('/dev/ttyUSB0', 115200)
     assert wrong.level is Level.PROBLEM and wrong.command.endswith('-p baud_rate:=57600')
     assert right.level is Level.OK and 'version 2 sends at 57600' in right.message
 
 
 def test_another_device(heard):
     """All rates are tried, each once."""
-    (finding,) = look('/dev/ttyUSB0', 115200)
-    assert finding.level is Level.PROBLEM and 'no frame of a BAHRS' in finding.message
+    (result,) = check('/dev/ttyUSB0', 115200)
+    assert result.level is Level.PROBLEM and 'no frame of a BAHRS' in result.message
     assert sorted(heard()) == sorted(listening.BAUD_RATES)
 
 
@@ -72,9 +72,9 @@ def test_a_device_that_answers(tmp_path):
     port = str(tmp_path / 'port')
     with running('bahrs', 'emulate', '--sensor', 'titan_m', '--link', port) as emulator:
         assert wait_for(lambda: emulator.lines, 60)
-        (silent,) = look(port, 115200, seconds=0.5)
+        (silent,) = check(port, 115200, seconds=0.5)
         assert silent.command == f'bahrs doctor --port {port} --ask'
-        (found,) = look(port, 115200, seconds=30.0, ask=True)
+        (found,) = check(port, 115200, seconds=30.0, ask=True)
     assert found.level is Level.OK and 'a Titan-M answers at 115200 baud' in found.message
 
 
@@ -84,7 +84,7 @@ def test_what_was_heard_is_returned(heard):
     found = []
 
     def note():
-        found.append((yield from look('/dev/ttyUSB0', 115200)))
+        found.append((yield from check('/dev/ttyUSB0', 115200)))
 
     assert len(list(note())) == 2
     assert (found[0].sensor, found[0].baud_rate) == ('bahrs', 57600)

@@ -4,8 +4,8 @@
 
 from pathlib import Path
 
-from bahrs_driver.doctor.finding import Level
-from bahrs_driver.doctor.ros_environment import look
+from bahrs_driver.doctor.check_result import Level
+from bahrs_driver.doctor.ros_environment import check
 import pytest
 
 NOWHERE = Path('/nowhere')
@@ -25,22 +25,24 @@ def prefix(tmp_path):
 def found(prefix, has_rclpy=True, **variables):
     """Return what is found, by what was looked at."""
     environment = {'AMENT_PREFIX_PATH': str(prefix), 'ROS_DISTRO': 'jazzy', **variables}
-    return {finding.check: finding for finding in look(environment, has_rclpy, NOWHERE)}
+    return {result.check: result for result in check(environment, has_rclpy, NOWHERE)}
 
 
 def test_as_it_should_be(prefix):
     """Nothing to mend."""
-    findings = found(prefix, ROS_DOMAIN_ID='7', RMW_IMPLEMENTATION='rmw_fastrtps_cpp')
-    assert {finding.level for finding in findings.values()} == {Level.OK}
-    assert set(findings) == {'ROS', 'package', 'middleware', 'domain', 'discovery'}
+    results = found(prefix, ROS_DOMAIN_ID='7', ROS_LOG_DIR='/tmp',
+                    RMW_IMPLEMENTATION='rmw_fastrtps_cpp')
+    assert {result.level for result in results.values()} == {Level.OK}
+    assert set(results) == {'ROS', 'package', 'middleware', 'domain', 'discovery',
+                            'log files'}
     assert found(prefix)['middleware'].message == 'is the default (there is rmw_fastrtps_cpp)'
 
 
 def test_not_sourced(prefix):
     """Nothing else is looked at then."""
-    findings = found(prefix, has_rclpy=False)
-    assert findings['ROS'].command == 'source /opt/ros/jazzy/setup.bash'
-    assert len(findings) == 1
+    results = found(prefix, has_rclpy=False)
+    assert results['ROS'].command == 'source /opt/ros/jazzy/setup.bash'
+    assert len(results) == 1
 
 
 @pytest.mark.parametrize('check, level, command, variables', [
@@ -60,19 +62,19 @@ def test_not_sourced(prefix):
 ])
 def test_what_is_wrong(prefix, check, level, command, variables):
     """With the command that mends it."""
-    finding = found(prefix, **variables)[check]
-    assert (finding.level, finding.command) == (level, command)
+    result = found(prefix, **variables)[check]
+    assert (result.level, result.command) == (level, command)
 
 
 def test_what_is_out_of_use(prefix):
     """Advice only, beside the rest."""
     environment = {'AMENT_PREFIX_PATH': str(prefix), 'ROS_LOCALHOST_ONLY': '1'}
-    findings = list(look(environment, True, NOWHERE))
-    assert 'unset ROS_LOCALHOST_ONLY' in [finding.command for finding in findings]
+    results = list(check(environment, True, NOWHERE))
+    assert 'unset ROS_LOCALHOST_ONLY' in [result.command for result in results]
 
 
 def test_ros_from_python_packages():
     """There is no prefix to look at, and nothing to source."""
-    findings = {finding.check: finding for finding in look({}, True, NOWHERE)}
-    assert findings['ROS'].level is Level.OK and '/nowhere' in findings['ROS'].message
-    assert 'package' not in findings
+    results = {result.check: result for result in check({}, True, NOWHERE)}
+    assert results['ROS'].level is Level.OK and '/nowhere' in results['ROS'].message
+    assert 'package' not in results

@@ -4,9 +4,9 @@
 
 import os
 
-from bahrs_driver.doctor.finding import Level
-from bahrs_driver.doctor.machine import Machine, User
-from bahrs_driver.doctor.usb_port import candidates, install_rule, look
+from bahrs_driver.doctor.check_result import Level
+from bahrs_driver.doctor.usb_port import candidates, check_name, check_port, install_rule
+from bahrs_driver.transport.machine import Machine, User
 import pytest
 
 RULE = '/somewhere/99-bahrs.rules'
@@ -53,9 +53,11 @@ class MadeUp:
         machine.group_name = lambda gid: 'dialout'
         return machine
 
-    def findings(self, port='/dev/serial/by-id/usb-FTDI_FT232R_A1-if00-port0'):
+    def results(self, port='/dev/serial/by-id/usb-FTDI_FT232R_A1-if00-port0'):
         """Return what is found at a port, by what was looked at."""
-        return {finding.check: finding for finding in look(self.machine(), port, RULE)}
+        machine = self.machine()
+        return {result.check: result for result in (*check_port(machine, port, RULE),
+                                                    *check_name(machine, port, RULE))}
 
 
 @pytest.fixture
@@ -66,16 +68,16 @@ def made_up(tmp_path):
 
 def test_a_machine_as_it_should_be(made_up):
     """Nothing to mend."""
-    found = made_up.findings()
+    found = made_up.results()
     assert set(found) == {'port', 'access', 'in use', 'ModemManager', 'latency timer', 'name'}
-    assert {finding.level for finding in found.values()} == {Level.OK}
-    assert not any(finding.command for finding in found.values())
+    assert {result.level for result in found.values()} == {Level.OK}
+    assert not any(result.command for result in found.values())
     assert candidates(made_up.machine()) == ['/dev/serial/by-id/usb-FTDI_FT232R_A1-if00-port0']
 
 
 def test_another_port(made_up):
     """The one that there is, is named."""
-    found = made_up.findings('/dev/ttyUSB7')
+    found = made_up.results('/dev/ttyUSB7')
     assert set(found) == {'port'} and found['port'].level is Level.PROBLEM
     assert found['port'].command == \
         'bahrs doctor --port /dev/serial/by-id/usb-FTDI_FT232R_A1-if00-port0'
@@ -84,7 +86,7 @@ def test_another_port(made_up):
 def without_port(made_up):
     """Return what is found when the adapter has no port."""
     (made_up.root / 'dev/ttyUSB0').unlink()
-    return made_up.findings('/dev/ttyUSB0')['port']
+    return made_up.results('/dev/ttyUSB0')['port']
 
 
 def test_no_adapter(made_up):
@@ -107,80 +109,80 @@ def test_an_adapter_that_brltty_took(made_up):
 def test_a_user_who_is_not_in_the_group(made_up):
     """The group to join is named."""
     made_up.groups = {1}
-    finding = made_up.findings()['access']
-    assert finding.level is Level.PROBLEM
-    assert finding.command == 'sudo usermod -aG dialout pilot'
+    result = made_up.results()['access']
+    assert result.level is Level.PROBLEM
+    assert result.command == 'sudo usermod -aG dialout pilot'
 
 
 def test_a_user_who_has_not_logged_in_again(made_up):
     """Is in the group by the files, but not in this session."""
     made_up.groups, made_up.members = {1}, {OWN_GID}
-    assert made_up.findings()['access'].command == 'newgrp dialout'
+    assert made_up.results()['access'].command == 'newgrp dialout'
 
 
 def test_a_port_of_nobody(made_up):
     """No group may use it."""
     (made_up.root / 'dev/ttyUSB0').chmod(0o600)
-    finding = made_up.findings('/dev/ttyUSB0')['access']
-    assert finding.level is Level.PROBLEM
-    assert finding.command == 'sudo chgrp dialout /dev/ttyUSB0 && sudo chmod 660 /dev/ttyUSB0'
+    result = made_up.results('/dev/ttyUSB0')['access']
+    assert result.level is Level.PROBLEM
+    assert result.command == 'sudo chgrp dialout /dev/ttyUSB0 && sudo chmod 660 /dev/ttyUSB0'
 
 
 def test_a_port_in_use(made_up):
     """Process and name are told."""
     made_up.runs(812, 'minicom', device='/dev/ttyUSB0')
-    finding = made_up.findings()['in use']
-    assert finding.level is Level.PROBLEM and finding.command == 'kill 812'
-    assert 'minicom (process 812)' in finding.message
+    result = made_up.results()['in use']
+    assert result.level is Level.PROBLEM and result.command == 'kill 812'
+    assert 'minicom, process 812' in result.message
 
 
 def test_a_port_that_the_driver_has(made_up):
     """That is as it should be, also where Python runs it under its own name."""
     made_up.runs(813, 'python3', '/opt/bin/driver_node', '--ros-args', device='/dev/ttyUSB0')
-    finding = made_up.findings()['in use']
-    assert finding.level is Level.OK and 'driver_node (process 813)' in finding.message
+    result = made_up.results()['in use']
+    assert result.level is Level.OK and 'driver_node, process 813' in result.message
 
 
 def test_modem_manager(made_up):
     """It runs, and nothing tells it to leave the port alone."""
     made_up.runs(600, 'ModemManager')
-    finding = made_up.findings()['ModemManager']
-    assert finding.level is Level.PROBLEM and finding.command == install_rule(RULE)
+    result = made_up.results()['ModemManager']
+    assert result.level is Level.PROBLEM and result.command == install_rule(RULE)
     made_up.runs(600, 'ModemManager', device='/dev/ttyUSB0')
-    assert made_up.findings()['in use'].command == 'sudo systemctl stop ModemManager'
+    assert made_up.results()['in use'].command == 'sudo systemctl stop ModemManager'
 
 
 def test_modem_manager_that_was_told(made_up):
     """The udev rule is in force."""
     made_up.runs(600, 'ModemManager')
     made_up.write('run/udev/data/c188:0', 'S:bahrs_A1\nE:ID_MM_DEVICE_IGNORE=1\n')
-    assert made_up.findings()['ModemManager'].level is Level.OK
+    assert made_up.results()['ModemManager'].level is Level.OK
 
 
 def test_a_slow_latency_timer(made_up):
     """It costs latency and breaks nothing."""
     made_up.write('sys/bus/usb-serial/devices/ttyUSB0/latency_timer', '16\n')
-    finding = made_up.findings()['latency timer']
-    assert finding.level is Level.ADVICE and 'is 16 ms' in finding.message
-    assert finding.command == \
+    result = made_up.results()['latency timer']
+    assert result.level is Level.ADVICE and 'is 16 ms' in result.message
+    assert result.command == \
         'echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer'
 
 
 def test_an_adapter_without_a_latency_timer(made_up):
     """There is nothing to be said."""
     (made_up.root / 'sys/bus/usb-serial/devices/ttyUSB0/latency_timer').unlink()
-    assert 'latency timer' not in made_up.findings()
+    assert 'latency timer' not in made_up.results()
 
 
 def test_a_name_that_may_change(made_up):
     """The one that does not is named."""
-    finding = made_up.findings('/dev/ttyUSB0')['name']
-    assert finding.level is Level.ADVICE
-    assert finding.command.endswith('port:=/dev/serial/by-id/usb-FTDI_FT232R_A1-if00-port0')
+    result = made_up.results('/dev/ttyUSB0')['name']
+    assert result.level is Level.ADVICE
+    assert result.command.endswith('port:=/dev/serial/by-id/usb-FTDI_FT232R_A1-if00-port0')
 
 
 def test_an_adapter_without_a_stable_name(made_up):
     """The udev rule gives it one."""
     (made_up.root / 'dev/serial/by-id/usb-FTDI_FT232R_A1-if00-port0').unlink()
-    assert made_up.findings('/dev/ttyUSB0')['name'].command == install_rule(RULE)
+    assert made_up.results('/dev/ttyUSB0')['name'].command == install_rule(RULE)
     assert candidates(made_up.machine()) == ['/dev/ttyUSB0']

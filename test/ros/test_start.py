@@ -7,8 +7,9 @@ import subprocess
 import sys
 
 from bahrs_driver.errors import RosStartError
-from bahrs_driver.ros.start import (
-    check_environment, check_import, log_directory, log_problem, start_errors)
+from bahrs_driver.ros.environment import log_directory, log_problem
+from bahrs_driver.ros.start import check_environment, check_import
+from bahrs_driver.ros.start_errors import start_errors
 from hypothesis import given, strategies as st
 import pytest
 

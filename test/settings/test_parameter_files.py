@@ -6,7 +6,7 @@ import os
 import threading
 
 from bahrs_driver.settings.command_line import RosArguments
-from bahrs_driver.settings.parameter_files import LARGEST, other_nodes, problem
+from bahrs_driver.settings.parameter_files import file_problem, LARGEST, other_nodes
 from bahrs_driver.settings.parameter_node import ParameterNode
 from hypothesis import given, strategies as st
 import pytest
@@ -76,14 +76,14 @@ def test_a_file_that_is_no_yaml(tmp_path, content, sentence):
     """One sentence says where, or that it is the wrong file; and nothing is raised."""
     path = tmp_path / 'file.yaml'
     path.write_bytes(content)
-    assert sentence in problem(str(path))
+    assert sentence in file_problem(str(path))
     assert other_nodes(str(path), '/bahrs_driver') is None
 
 
 def test_a_file_that_cannot_be_read(tmp_path):
     """The reason is that of the system."""
-    assert 'cannot be read: No such file or directory' in problem(str(tmp_path / 'none'))
-    assert 'cannot be read: Is a directory' in problem(str(tmp_path))
+    assert 'cannot be read: No such file or directory' in file_problem(str(tmp_path / 'none'))
+    assert 'cannot be read: Is a directory' in file_problem(str(tmp_path))
     assert other_nodes(str(tmp_path / 'none'), '/bahrs_driver') is None
 
 
@@ -93,7 +93,7 @@ def test_a_pipe_is_left_to_rcl(tmp_path):
     os.mkfifo(path)
     results = []
     thread = threading.Thread(target=lambda: results.extend(
-        [problem(str(path)), other_nodes(str(path), '/bahrs_driver')]), daemon=True)
+        [file_problem(str(path)), other_nodes(str(path), '/bahrs_driver')]), daemon=True)
     thread.start()
     thread.join(60)
     assert results == [None, None]

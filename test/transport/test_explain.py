@@ -134,4 +134,4 @@ def test_a_directory_that_may_not_be_entered(tmp_path):
                           capture_output=True, text=True, check=True)
     assert done.stdout.strip() == (
         f'{folder}/ttyUSB0 may not be opened by user nobody: they may not enter {folder}, whose '
-        'mode is drwx------')
+        f'mode is drwx------; find the folder to open: "namei -l {folder}/ttyUSB0"')

@@ -17,7 +17,8 @@ SLOW_NS = 10_000_000        # from a request to its answer, without their time o
 NOT_WRITTEN = Message(ERROR, '{write_error}', 'requests that cannot be written')
 NO_ANSWER = Message(ERROR, 'No request is answered: is the device a titan_m, powered, and is its '
                            'receiving line connected?', 'a Titan-M that does not answer')
-TOO_SLOW = Message(WARN, 'The line, device or host is too slow for the requested rates: {remedy}',
+TOO_SLOW = Message(WARN, 'The line, device or host is too slow for the requested rates: '
+                         '{rate_remedy}',
                    'rates that line, device or host cannot keep')
 ANSWERS_MISSING = Message(WARN, '{count} requests without an answer just now',
                           'answers lost now and then')
@@ -56,8 +57,8 @@ class RequestsTask:
         if unanswered >= UNANSWERED and not answered:
             return status.summary(NO_ANSWER)
         if skipped:
-            return status.summary(TOO_SLOW,
-                                  remedy=LATENCY_REMEDY if self._slow else RATE_REMEDY)
+            return status.summary(
+                TOO_SLOW, rate_remedy=LATENCY_REMEDY if self._slow else RATE_REMEDY)
         if unanswered:
             return status.summary(ANSWERS_MISSING, count=unanswered)
         if unexpected:

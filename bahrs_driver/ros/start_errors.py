@@ -1,18 +1,20 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Explain in one sentence why a node does not start."""
+"""Explain in one sentence why ROS or the node cannot start."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+import contextlib
 import re
+import warnings
 
-from bahrs_driver.errors import ParameterError
+from bahrs_driver.errors import ParameterError, RosStartError
 from bahrs_driver.process.printable import printable
 from bahrs_driver.settings.command_line import RosArguments
-from bahrs_driver.settings.parameter_files import problem
+from bahrs_driver.settings.parameter_files import file_problem
 from rclpy.exceptions import ParameterException
 
-# Every sentence of rcl ends with places in its source; one about an argument quotes it.
-_PLACES = re.compile(r'\s*, at /\S+:\d+(?=, at |$)')
+# Every sentence of rcl ends with lines of its source; one about an argument quotes it.
+_SOURCE_LINES = re.compile(r'\s*, at /\S+:\d+(?=, at |$)')
 _ARGUMENT = re.compile(r"Couldn't parse (?P<what>[^:]+): '(?P<argument>.*)'\. Error: (?P<why>.*)",
                        re.DOTALL)
 # Messages of ROS about its environment, and the remedy.
@@ -38,6 +40,19 @@ _NAMES = {
 }
 
 
+@contextlib.contextmanager
+def start_errors(words: Sequence[str]) -> Iterator[None]:
+    """Raise RosStartError for any exception of a block that starts ROS with some arguments."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore')     # rclpy warns of clean-up that failed
+            yield
+    except RosStartError:
+        raise
+    except Exception as error:
+        raise RosStartError(explain(error, words)) from error
+
+
 def explain(error: Exception, words: Sequence[str]) -> str:
     """Return why the node did not start with the words of a command line, and a remedy."""
     if isinstance(error, ParameterError):
@@ -53,7 +68,7 @@ def explain(error: Exception, words: Sequence[str]) -> str:
         name = re.search(r"parameter '(\w+)'", str(error))
         return f'parameter {name[1]} must be true or false' if name else printable(error)
     for file in RosArguments.from_words(words).files:
-        reason = problem(file)
+        reason = file_problem(file)
         if reason:
             return reason
     return _plain(error)
@@ -61,7 +76,7 @@ def explain(error: Exception, words: Sequence[str]) -> str:
 
 def _plain(error: Exception) -> str:
     """Return the message of rcl or another library, with a remedy."""
-    text = without_places(error)
+    text = without_source_lines(error)
     about = _ARGUMENT.search(text)
     if about is None:
         shown = printable(text.rpartition('ROS arguments: ')[2] or type(error).__name__)
@@ -76,9 +91,9 @@ def _plain(error: Exception) -> str:
     return f'{argument} cannot be used{why}: {remedy}'
 
 
-def without_places(error: Exception) -> str:
-    """Return a message of rcl on one line, without the places in its source."""
-    return ' '.join(_PLACES.sub('', str(error)).split())
+def without_source_lines(error: Exception) -> str:
+    """Return a message of rcl on one line, without the lines of its source."""
+    return ' '.join(_SOURCE_LINES.sub('', str(error)).split())
 
 
 def _is_utf8(word: str) -> bool:

@@ -1,9 +1,9 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The computer, as the files below /dev, /sys, /proc and /run tell of it.
+Read the state of the computer from the files below /dev, /sys, /proc and /run.
 
-The root of these files can be another folder, so that every state of a machine can be made up.
+Another folder can be the root of these files: tests make up any state of a machine.
 """
 
 from collections.abc import Iterator, Mapping
@@ -17,15 +17,15 @@ from bahrs_driver.transport.processes import holders, Process, processes
 
 
 class User(NamedTuple):
-    """Whoever would open a port."""
+    """The user who opens a port."""
 
     name: str
     uid: int
     groups: frozenset[int]          # of this session
 
 
-def present_user() -> User:
-    """Return who runs this process."""
+def current_user() -> User:
+    """Return the user of this process."""
     uid = os.geteuid()
     try:
         name = pwd.getpwuid(uid).pw_name
@@ -35,34 +35,34 @@ def present_user() -> User:
 
 
 class Machine:
-    """Answers questions about devices and processes."""
+    """Reads files, devices and processes below a root, on behalf of a user."""
 
     def __init__(self, root: Path = Path('/'), user: User | None = None,
                  environment: Mapping[str, str] = os.environ) -> None:
         self.root = root
-        self.user = user or present_user()
+        self.user = user or current_user()
         self.environment = environment
 
     def path(self, name: str) -> Path:
-        """Return where a file of the machine really is."""
+        """Return the path of a file of the machine below the root."""
         return self.root / name.lstrip('/')
 
     def read(self, name: str) -> str | None:
-        """Return the text of a file; None if there is none that may be read."""
+        """Return the text of a file; None if it is absent or not readable."""
         try:
             return self.path(name).read_text(errors='replace').strip()
         except OSError:
             return None
 
     def names(self, folder: str) -> list[str]:
-        """Return the full names of what is in a folder; none if there is no such folder."""
+        """Return the full names of the entries of a folder; none if there is no such folder."""
         try:
             return sorted(f'{folder}/{name}' for name in os.listdir(self.path(folder)))
         except OSError:
             return []
 
     def resolved(self, name: str) -> str:
-        """Return the name of what links lead to."""
+        """Return the name of the file that links lead to."""
         target = os.path.realpath(self.path(name))
         root = os.path.realpath(self.root)
         return '/' + os.path.relpath(target, root)
@@ -75,7 +75,7 @@ class Machine:
             return str(gid)
 
     def is_member(self, gid: int) -> bool:
-        """Return whether the user is in a group by the files, if not in this session."""
+        """Return whether the group database has the user in a group, in this session or not."""
         try:
             return self.user.name in grp.getgrgid(gid).gr_mem
         except KeyError:
@@ -86,10 +86,10 @@ class Machine:
         return processes(self.root)
 
     def holders(self, device: str) -> list[Process]:
-        """Return the processes that have a device open, as far as the user may see it."""
+        """Return the other processes that have a device open, as far as the user may see them."""
         return [process for process in holders(device, self.root)
                 if process.pid != os.getpid()]
 
     def all_visible(self) -> bool:
-        """Return whether the open files of every process can be seen."""
+        """Return whether the user may see the open files of every process."""
         return self.user.uid == 0
