@@ -15,14 +15,14 @@ import sys
 from typing import Any, BinaryIO
 
 from bahrs_driver.bag.bag_kind import is_bag
-from bahrs_driver.cli import decode_sensors
-from bahrs_driver.cli.decode_sensors import Decoder, DECODERS
 from bahrs_driver.cli.files import binary_input
+from bahrs_driver.devices.registry import DEFAULT, DEVICES
+from bahrs_driver.devices.stream_decoder import StreamDecoder
 from bahrs_driver.errors import CommandError
 from bahrs_driver.process.printable import printable
-from bahrs_driver.protocol.bahrs.messages import TimeMessage
 from bahrs_driver.protocol.framing import Frame, Framer
 from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.reprocess.message_times import with_times
 
 _CHUNK = 65536
 TIME = 'device_time_us'
@@ -53,7 +53,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                                      'has set; - is standard input')
     parser.add_argument('--format', choices=('summary', 'jsonl', 'csv'), default='summary',
                         help='what to print (default: %(default)s)')
-    decode_sensors.add_arguments(parser)
+    parser.add_argument('--sensor', choices=tuple(DEVICES), default=DEFAULT,
+                        help='which device sent it (default: %(default)s)')
+    for spec in DEVICES.values():
+        spec.stream_decoder.add_arguments(parser)
     parser.add_argument('--json', action='store_true',
                         help='print the summary as one JSON object')
 
@@ -61,7 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Decode, and print in the format asked for; 1 if there was nothing to decode at all."""
     _refuse_bag(Path(options.file))
-    decoder = DECODERS[options.sensor](options)
+    decoder = DEVICES[options.sensor].stream_decoder(options)
     framer = decoder.framer
     with binary_input(options.file) as file:
         messages = decoder.messages(_frames(file, framer))
@@ -75,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
             (_print_json if options.json else _print_summary)(counts, decoder)
     complaint = decoder.complaint()
     if not framer.counters.frames:
-        others = ' or '.join(f'--sensor {name}' for name in DECODERS if name != options.sensor)
+        others = ' or '.join(f'--sensor {name}' for name in DEVICES if name != options.sensor)
         complaint = (f'no frame of a {options.sensor} in {framer.received} bytes; '
                      f'if they are of another device, try {others}')
     if complaint:
@@ -90,13 +93,13 @@ def _refuse_bag(path: Path) -> None:
                            'bahrs convert, or a page with bahrs report')
 
 
-def record(decoder: Decoder, frame: Frame, message: Any) -> dict[str, Any]:
+def record(decoder: StreamDecoder, frame: Frame, message: Any) -> dict[str, Any]:
     """Return a message as plain JSON values: what it is, where it stood, what it says."""
     fields = {item.name: _plain(getattr(message, item.name))
               for item in dataclasses.fields(message)}
-    if isinstance(message, TimeMessage):
-        fields['valid'] = message.valid
-    return {'message': message.NAME, **decoder.about(frame), 'offset': frame.offset, **fields}
+    fields.update((name, _plain(getattr(message, name))) for name in message.PROPERTIES)
+    return {'message': message.NAME, **decoder.head_values(frame), 'offset': frame.offset,
+            **fields}
 
 
 def _frames(file: BinaryIO, framer: Framer) -> Iterator[Frame]:
@@ -120,7 +123,7 @@ def _plain(value: Any) -> Any:
     return value.hex() if isinstance(value, bytes) else value
 
 
-def _print_csv(decoder: Decoder, messages: Iterable[tuple[Frame, Any]]) -> None:
+def _print_csv(decoder: StreamDecoder, messages: Iterable[tuple[Frame, Any]]) -> None:
     """
     Print a row a message, a column for every field of any message.
 
@@ -137,12 +140,20 @@ def _print_csv(decoder: Decoder, messages: Iterable[tuple[Frame, Any]]) -> None:
         columns.insert(1, TIME)
     writer = csv.DictWriter(sys.stdout, columns, lineterminator='\n')
     writer.writeheader()
-    for frame, message, time_us in decoder.timed(messages):
+    for frame, message, time_us in _timed(decoder, messages):
         fields = record(decoder, frame, message)
         row = {name: fields.pop(name) for name in head}
         row.update(zip(_columns(type(message)), _flat(fields.values())))
         row.update(dict.fromkeys(decoder.unavailable(message)))
         writer.writerow({**row, TIME: time_us} if TIME in columns else row)
+
+
+def _timed(decoder: StreamDecoder, messages: Iterable[tuple[Frame, Any]]
+           ) -> Iterable[tuple[Frame, Any, int | None]]:
+    """Return the messages with their device time in us; None if it is unknown."""
+    if decoder.has_device_time:
+        return with_times(messages)
+    return ((frame, message, None) for frame, message in messages)
 
 
 def _columns(kind: type[Any]) -> list[str]:
@@ -154,7 +165,7 @@ def _columns(kind: type[Any]) -> list[str]:
             names += [item.name + suffix for suffix in _SUFFIXES[item.name]]
         else:
             names.append(item.name)
-    return names + ['valid'] if issubclass(kind, TimeMessage) else names
+    return [*names, *kind.PROPERTIES]
 
 
 def _flat(values: Iterable[Any]) -> Iterator[Any]:
@@ -165,7 +176,7 @@ def _flat(values: Iterable[Any]) -> Iterator[Any]:
             yield printable(value) if isinstance(value, str) else value
 
 
-def _print_json(counts: Counter[str], decoder: Decoder) -> None:
+def _print_json(counts: Counter[str], decoder: StreamDecoder) -> None:
     framer = decoder.framer
     counters = framer.counters
     print(json.dumps({
@@ -174,7 +185,7 @@ def _print_json(counts: Counter[str], decoder: Decoder) -> None:
         **{name.lower().replace(' ', '_'): value for name, value in decoder.detected()}}))
 
 
-def _print_summary(counts: Counter[str], decoder: Decoder) -> None:
+def _print_summary(counts: Counter[str], decoder: StreamDecoder) -> None:
     framer = decoder.framer
     counters = framer.counters
     rows = [(name, count) for name, count in counts.most_common()]

@@ -10,26 +10,26 @@ import signal
 import sys
 from typing import Any
 
-from bahrs_driver.cli import emulate_bahrs, emulate_titan_m
-from bahrs_driver.cli.arguments import a_number, checked, opened
 from bahrs_driver.cli.outputs import add_force, live_output, output_file, same_output
+from bahrs_driver.devices.registry import DEFAULT, DEVICES
 from bahrs_driver.emulator.control import COMMANDS
 from bahrs_driver.emulator.emulation import Emulation
 from bahrs_driver.emulator.flights import MOTIONS
+from bahrs_driver.emulator.host_time import HostTime
 from bahrs_driver.emulator.noise import DEVIATIONS, Noise, parse_bias, parse_deviation
 from bahrs_driver.emulator.runner import ControlInput, PacedRun, run_to_file
 from bahrs_driver.emulator.scenario import parse, TimedCommand
 from bahrs_driver.emulator.session import Session
-from bahrs_driver.emulator.truth_file import HostTime, TruthFile
+from bahrs_driver.emulator.truth_file import TruthFile
 from bahrs_driver.errors import CommandError, ControlError, WriteError
 from bahrs_driver.files.guard import reason
+from bahrs_driver.process.argument_types import argument_type, bounded_float, open_input
 from bahrs_driver.process.printable import printable
 from bahrs_driver.process.shutdown_event import handled_signals
 from bahrs_driver.virtual_serial.cable import adapter_mode, Cable
-from bahrs_driver.virtual_serial.faults import Faults, NAMES as FAULTS, parse_fault
+from bahrs_driver.virtual_serial.faults import Faults, parse_fault
+from bahrs_driver.virtual_serial.faults import NAMES as FAULTS
 
-# The module of each device has add_arguments and make_device.
-_DEVICES: dict[str, Any] = {'bahrs': emulate_bahrs, 'titan_m': emulate_titan_m}
 _EXAMPLES = """examples:
   bahrs emulate --link /tmp/bahrs                     an aircraft in flight, on a port
   ros2 run bahrs_driver driver_node --ros-args -p port:=/tmp/bahrs
@@ -46,12 +46,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'motion does. The same seed and options give the same bytes.')
     parser.epilog = _epilog()
     for add in (_add_run, _add_motion,
-                *(module.add_arguments for module in _DEVICES.values()), _add_cable):
+                *(spec.emulation().add_arguments for spec in DEVICES.values()), _add_cable):
         add(parser)
 
 
 def _add_run(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument('--sensor', choices=tuple(_DEVICES), default='bahrs',
+    parser.add_argument('--sensor', choices=tuple(DEVICES), default=DEFAULT,
                         help='which device to be (default: %(default)s)')
     parser.add_argument('--link', metavar='PATH', help='make a symbolic link to the port')
     parser.add_argument('--wait', action='store_true',
@@ -59,7 +59,7 @@ def _add_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--output', metavar='FILE',
                         help='no port: write the bytes into a file, as fast as possible; - is '
                              'standard output')
-    parser.add_argument('--duration', type=a_number('a duration'), default=math.inf,
+    parser.add_argument('--duration', type=bounded_float('a duration'), default=math.inf,
                         metavar='SECONDS', help='end after this long (default: never)')
     parser.add_argument('--seed', type=int, default=1, metavar='NUMBER',
                         help='of all that is random (default: %(default)s)')
@@ -75,25 +75,25 @@ def _add_motion(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group('motion and its measurement')
     group.add_argument('--motion', choices=tuple(MOTIONS), default='flight',
                        help='how it moves (default: %(default)s)')
-    group.add_argument('--noise', type=checked(parse_deviation), action='append', default=[],
+    group.add_argument('--noise', type=argument_type(parse_deviation), action='append', default=[],
                        metavar='NAME=STDDEV',
                        help='white noise in SI units, again for each quantity (default: '
                             + ', '.join(f'{name}={value:g}'
                                         for name, value in DEVIATIONS.items()) + ')')
-    group.add_argument('--bias', type=checked(parse_bias), action='append', default=[],
+    group.add_argument('--bias', type=argument_type(parse_bias), action='append', default=[],
                        metavar='NAME=VALUE[,VALUE,VALUE]',
                        help='constant error in SI units, for each component (default: 0)')
 
 
 def _add_cable(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group('cable')
-    group.add_argument('--baud-rate', type=a_number('a baud rate', 1200, 4e6), default=115200,
+    group.add_argument('--baud-rate', type=bounded_float('a baud rate', 1200, 4e6), default=115200,
                        metavar='BAUD', help='of the line, always 8N1 (default: %(default)s)')
-    group.add_argument('--latency-timer', type=checked(adapter_mode), default='none',
+    group.add_argument('--latency-timer', type=argument_type(adapter_mode), default='none',
                        metavar='MS', help='how long an adapter holds bytes back, 1 to 255 ms; '
                        '"packets" for one that hands over eight full packets at a time, "none" '
                        'for none (default: %(default)s)')
-    group.add_argument('--fault', type=checked(parse_fault), action='append', default=[],
+    group.add_argument('--fault', type=argument_type(parse_fault), action='append', default=[],
                        metavar='NAME=RATE',
                        help='damage what is sent, see below; again for each kind')
 
@@ -128,10 +128,10 @@ def run(options: argparse.Namespace) -> int:
 
 def _refuse_foreign(options: argparse.Namespace) -> None:
     """Raise CommandError for an option of another device, which would have no effect."""
-    for name, module in _DEVICES.items():
+    for name, spec in DEVICES.items():
         if name != options.sensor:
             scratch = argparse.ArgumentParser(add_help=False)
-            module.add_arguments(scratch)
+            spec.emulation().add_arguments(scratch)
             for dest, default in vars(scratch.parse_args([])).items():
                 if getattr(options, dest) != default:
                     raise CommandError(f"--{dest.replace('_', '-')} is an option of a {name}, "
@@ -171,7 +171,7 @@ def _signals_call(end: Callable[[], None]) -> Iterator[None]:
 
 def _emulation(options: argparse.Namespace, zero: HostTime) -> Emulation:
     noise = Noise(options.seed, {**DEVIATIONS, **dict(options.noise)}, dict(options.bias))
-    device = _DEVICES[options.sensor].make_device(
+    device = DEVICES[options.sensor].emulation().make_device(
         options, MOTIONS[options.motion](), noise, zero)
     cable = Cable(options.baud_rate, options.latency_timer)
     return Emulation(device, Faults(options.seed, dict(options.fault)), cable)
@@ -181,7 +181,7 @@ def _scenario(name: str | None) -> list[TimedCommand]:
     if name is None:
         return []
     try:
-        with opened(name, 'r') as file:
+        with open_input(name, 'r') as file:
             return parse(file)
     except ValueError as error:
         raise CommandError(f'{name}: {error}') from error

@@ -9,8 +9,8 @@ import sys
 import termios
 from typing import BinaryIO
 
-from bahrs_driver.cli.arguments import opened
 from bahrs_driver.errors import CommandError
+from bahrs_driver.process.argument_types import open_input
 from bahrs_driver.process.printable import printable
 
 STANDARD_INPUT = '-'
@@ -24,7 +24,7 @@ def binary_input(name: str) -> Iterator[BinaryIO]:
         _refuse_lines(sys.stdin.buffer, 'standard input', 'name a file, or pipe one in')
         yield sys.stdin.buffer
         return
-    with opened(name, 'rb') as file:
+    with open_input(name, 'rb') as file:
         _refuse_lines(file, printable(name),
                       f'run "stty -F {shlex.quote(printable(name))} 115200 raw -echo" first')
         yield file

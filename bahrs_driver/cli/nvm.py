@@ -14,13 +14,13 @@ import sys
 import threading
 from typing import Any
 
-from bahrs_driver.cli.arguments import a_number
 from bahrs_driver.cli.files import binary_input
 from bahrs_driver.cli.outputs import add_force, is_standard_output, output_file
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.cli.signals import shutdown_on_signal
 from bahrs_driver.clock import ArrivalStamps
 from bahrs_driver.errors import CommandError, NvmError
+from bahrs_driver.process.argument_types import bounded_float
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
@@ -60,7 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                             help='path or URL, such as socket://host:4001 (default: %(default)s)')
         action.add_argument('--baud-rate', type=int, default=115200, metavar='BAUD',
                             help='(default: %(default)s)')
-        action.add_argument('--enter-timeout', type=a_number('a time-out', 0, LONGEST_ENTER),
+        action.add_argument('--enter-timeout', type=bounded_float('a time-out', 0, LONGEST_ENTER),
                             default=30.0, metavar='SECONDS',
                             help='how long to ask the device to enter diagnostics mode '
                                  '(default: %(default)s)')

@@ -13,11 +13,11 @@ import time
 
 from bahrs_driver.bag.bag_output import BagWriter
 from bahrs_driver.bag.recorder import RAW, Recorder
-from bahrs_driver.cli.arguments import positive
 from bahrs_driver.cli.node_options import add_node_options, selected_node, several_nodes
 from bahrs_driver.cli.ros import ros_session
 from bahrs_driver.cli.signals import shutdown_on_signal
 from bahrs_driver.errors import CaptureError, CommandError, ExistingFolderError
+from bahrs_driver.process.argument_types import positive_float
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.process.printable import printable
 from bahrs_driver.process.shutdown_event import ShutdownEvent
@@ -52,11 +52,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--raw-only', action='store_true',
                         help='only the topic raw, which the driver publishes with '
                              'publish.raw:=true; "bahrs convert" makes the others of it')
-    parser.add_argument('--max-size', type=positive, default=math.inf, metavar='MB',
+    parser.add_argument('--max-size', type=positive_float, default=math.inf, metavar='MB',
                         help='begin another file at this size (default: never)')
-    parser.add_argument('--max-duration', type=positive, default=math.inf, metavar='SECONDS',
+    parser.add_argument('--max-duration', type=positive_float, default=math.inf, metavar='SECONDS',
                         help='begin another file after this time (default: never)')
-    parser.add_argument('--duration', type=positive, default=math.inf, metavar='SECONDS',
+    parser.add_argument('--duration', type=positive_float, default=math.inf, metavar='SECONDS',
                         help='end after this time of data, or if none comes for '
                              f'{FIRST_WAIT:g} s (default: at Ctrl-C)')
     add_node_options(parser)

@@ -11,17 +11,18 @@ import time
 from bahrs_driver.bag.capture import Capture, PIECE
 from bahrs_driver.bag.log_clock import LogClock
 from bahrs_driver.bag.read_capture import read_capture
-from bahrs_driver.cli.arguments import a_number, checked, positive
 from bahrs_driver.cli.files import binary_input, STANDARD_INPUT
 from bahrs_driver.cli.sensors import sensor_of
 from bahrs_driver.devices.registry import DEFAULT, DEVICES
 from bahrs_driver.errors import CommandError, WriteError
 from bahrs_driver.files.guard import reason
+from bahrs_driver.process.argument_types import argument_type, bounded_float, positive_float
 from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.units import NS_PER_S
 from bahrs_driver.virtual_serial.cable import adapter_mode, AT_ONCE, Cable
-from bahrs_driver.virtual_serial.faults import Faults, NAMES as FAULTS, parse_fault
+from bahrs_driver.virtual_serial.faults import Faults, parse_fault
+from bahrs_driver.virtual_serial.faults import NAMES as FAULTS
 from bahrs_driver.virtual_serial.pacing import paced, Piece, through
 from bahrs_driver.virtual_serial.player import Player
 from bahrs_driver.virtual_serial.pty_port import PtyPort
@@ -51,13 +52,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('file', help='bag that holds the topic raw, or file of bytes as the '
                                      'device sent them; - is standard input')
     parser.add_argument('--link', metavar='PATH', help='make a symbolic link to the port')
-    parser.add_argument('--rate', type=positive, default=1.0, metavar='FACTOR',
+    parser.add_argument('--rate', type=positive_float, default=1.0, metavar='FACTOR',
                         help='how many times faster than it was (default: %(default)s)')
     parser.add_argument('--loop', action='store_true', help='begin again at the end')
-    parser.add_argument('--settle', type=a_number('a time', 0.0), default=0.5, metavar='SECONDS',
+    parser.add_argument('--settle', type=bounded_float('a time', 0.0), default=0.5,
+                        metavar='SECONDS',
                         help='time given to whoever opens the port before the first byte '
                              '(default: %(default)s)')
-    parser.add_argument('--reopen-timeout', type=a_number('a time', 0.0), metavar='SECONDS',
+    parser.add_argument('--reopen-timeout', type=bounded_float('a time', 0.0), metavar='SECONDS',
                         help='how long to wait, when the port has been closed, until it is opened '
                              f'again (default: {REOPEN_TIMEOUT:g}, with --loop no limit)')
     parser.add_argument('--topic', metavar='NAME',
@@ -68,9 +70,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='whose frames faults are put on (default: as the bag says, or '
                              f'{DEFAULT})')
     group = parser.add_argument_group('cable')
-    group.add_argument('--fault', type=checked(parse_fault), action='append', default=[],
+    group.add_argument('--fault', type=argument_type(parse_fault), action='append', default=[],
                        metavar='NAME=RATE', help='damage what is sent, see below; again for each')
-    group.add_argument('--latency-timer', type=checked(adapter_mode), metavar='MS',
+    group.add_argument('--latency-timer', type=argument_type(adapter_mode), metavar='MS',
                        help='how long an adapter holds bytes back, 1 to 255 ms; "packets" for '
                             'one that hands over eight full packets at a time (default: as it '
                             'was)')

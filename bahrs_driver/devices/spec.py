@@ -12,10 +12,12 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, ClassVar, Generic, TYPE_CHECKING, TypeVar
 
 from bahrs_driver.devices.settings import CommonSettings
+from bahrs_driver.devices.stream_decoder import StreamDecoder
 from bahrs_driver.protocol.framing import Frame, FrameFormat
 
 if TYPE_CHECKING:
     from bahrs_driver.devices.parts import Parts
+    from bahrs_driver.emulator.device import DeviceEmulation
 
 Settings = TypeVar('Settings', bound=CommonSettings)
 
@@ -29,10 +31,15 @@ class DeviceSpec(ABC, Generic[Settings]):
     # Requests to write, one after another, to find a device that answers only.
     probe_requests: ClassVar[Sequence[bytes]] = ()
     needs_read_times: ClassVar[bool] = False    # messages hold no time of the device
+    stream_decoder: ClassVar[type[StreamDecoder]]       # for `bahrs decode`
 
     @abstractmethod
     def frame_format(self) -> FrameFormat:
         """Return the frame format with default settings."""
+
+    @abstractmethod
+    def emulation(self) -> 'DeviceEmulation':
+        """Return what emulates the device."""
 
     @abstractmethod
     def topics(self) -> Mapping[str, type]:

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 from bahrs_driver.emulator.emulation import Emulation
 from bahrs_driver.errors import ControlError
+from bahrs_driver.process.text_values import known, number
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.virtual_serial.cable import adapter_mode
 from bahrs_driver.virtual_serial.faults import parse_fault
-from bahrs_driver.virtual_serial.texts import known, number
 
 INTEGRITIES = {'safe': Integrity.SAFE, 'risk': Integrity.INTEGRITY_RISK,
                'unavailable': Integrity.UNAVAILABLE, 'reserved': Integrity.RESERVED}

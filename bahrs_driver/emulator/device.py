@@ -1,10 +1,15 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the cable must know of an emulated device, whichever it is."""
+"""The interface between an emulated device and its cable."""
 
+from abc import ABC, abstractmethod
+from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
 from typing import Any, NamedTuple, Protocol
 
+from bahrs_driver.emulator.host_time import HostTime
+from bahrs_driver.emulator.motion import Motion
+from bahrs_driver.emulator.noise import Noise
 from bahrs_driver.protocol.integrity import Integrity
 
 
@@ -12,8 +17,8 @@ class Emission(NamedTuple):
     """
     A frame that a device sends.
 
-    `ready` is when it is ready to go on the line and `time` when what it tells was so, both true
-    times in seconds. `truth` has the values without any error, by name.
+    `ready` is the time at which the frame is ready for the line, `time` the time of the
+    measurement, both true times in seconds. `truth` has the values without errors, by name.
     """
 
     ready: float
@@ -23,31 +28,51 @@ class Emission(NamedTuple):
     time: float
 
 
-class Device(Protocol):
-    """An emulated device. All times are true ones, in seconds since the emulator started."""
+class EmulatedDevice(ABC):
+    """
+    An emulated device. All times are true times, in seconds since the emulator started.
+
+    A control command that the device does not support raises ValueError.
+    """
+
+    signals: tuple[str, ...] = ()       # signals whose integrity can be set
 
     @property
+    @abstractmethod
     def next_time(self) -> float:
-        """When step() is due."""
+        """Time of the next step()."""
 
-    @property
-    def signals(self) -> tuple[str, ...]:
-        """Names of the signals whose integrity can be set."""
-
+    @abstractmethod
     def step(self) -> list[Emission]:
-        """Do what is due at next_time, and return what is sent then."""
+        """Advance to next_time and return the frames that are sent then."""
 
-    def receive(self, data: bytes, time: float) -> list[Emission]:
-        """Take what the host sent, and return the answers."""
-
+    @abstractmethod
     def power_cycle(self, time: float) -> None:
         """Switch off and on again."""
 
-    def set_integrity(self, signals: tuple[str, ...], integrity: Integrity) -> None:
-        """Declare what signals are worth from the next sample on."""
+    def receive(self, _data: bytes, _time: float) -> list[Emission]:
+        """Receive bytes from the host and return the answers."""
+        return []
 
-    def set_drift(self, ppm: float) -> None:
-        """Change how much faster than true time the device's clock runs."""
+    def set_integrity(self, _signals: tuple[str, ...], _integrity: Integrity) -> None:
+        """Set the integrity of signals from the next sample on."""
+        raise ValueError('this device reports no integrity')
 
-    def set_pulse_rate(self, rate: float) -> None:
-        """Change the rate of sync pulses, in Hz; 0 is none."""
+    def set_drift(self, _ppm: float) -> None:
+        """Set by how much the device clock runs faster than true time."""
+        raise ValueError('this device reports no time of its own')
+
+    def set_pulse_rate(self, _rate: float) -> None:
+        """Set the rate of sync pulses in Hz; 0 is none."""
+        raise ValueError('this device has no input for sync pulses')
+
+
+class DeviceEmulation(Protocol):
+    """Makes emulated devices of one kind from options of the command line."""
+
+    def add_arguments(self, parser: ArgumentParser) -> None:
+        """Add the options that only this device has."""
+
+    def make_device(self, options: Namespace, motion: Motion, noise: Noise,
+                    zero: HostTime) -> EmulatedDevice:
+        """Return an emulated device whose time starts at a host time."""

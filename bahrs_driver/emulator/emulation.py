@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import math
 from typing import NamedTuple
 
-from bahrs_driver.emulator.device import Device, Emission
+from bahrs_driver.emulator.device import Emission, EmulatedDevice
 from bahrs_driver.virtual_serial.cable import Cable
 from bahrs_driver.virtual_serial.faults import Faults
 
@@ -30,7 +30,7 @@ class Emulation:
     `counts` has the frames that were sent by name, `wire_counts` by what the cable made of them.
     """
 
-    def __init__(self, device: Device, faults: Faults, cable: Cable) -> None:
+    def __init__(self, device: EmulatedDevice, faults: Faults, cable: Cable) -> None:
         self.device = device
         self.faults = faults
         self.cable = cable

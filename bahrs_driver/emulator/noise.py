@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import math
 import random
 
-from bahrs_driver.virtual_serial.texts import known, number
+from bahrs_driver.process.text_values import known, number
 
 # Every quantity that can be in error, with the number of its components.
 COMPONENTS = {'specific_force': 3, 'angular_rate': 3, 'attitude': 3, 'pressure_height': 1,

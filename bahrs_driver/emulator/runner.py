@@ -9,8 +9,8 @@ import select
 import time
 from typing import Protocol
 
+from bahrs_driver.emulator.host_time import HostTime
 from bahrs_driver.emulator.session import Session
-from bahrs_driver.emulator.truth_file import HostTime
 from bahrs_driver.errors import ControlError
 from bahrs_driver.process.host_time import SystemTime
 from bahrs_driver.units import NS_PER_S

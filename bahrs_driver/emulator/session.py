@@ -7,8 +7,9 @@ from collections.abc import Iterable
 
 from bahrs_driver.emulator.control import execute
 from bahrs_driver.emulator.emulation import Emulation, Sent
+from bahrs_driver.emulator.host_time import HostTime
 from bahrs_driver.emulator.scenario import TimedCommand
-from bahrs_driver.emulator.truth_file import HostTime, TruthFile
+from bahrs_driver.emulator.truth_file import TruthFile
 
 
 class Session:

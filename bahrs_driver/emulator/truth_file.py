@@ -3,19 +3,13 @@
 """The truth, one JSON object a line, for whoever wants to know how far off they are."""
 
 import json
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 from bahrs_driver.emulator.emulation import Sent
+from bahrs_driver.emulator.host_time import HostTime
 from bahrs_driver.units import NS_PER_S
 
 _FLUSH_PERIOD = 0.5         # s, after which others can read what was written
-
-
-class HostTime(NamedTuple):
-    """What the host's clocks read, in ns, at time 0 of the emulation."""
-
-    monotonic_ns: int = 0
-    unix_ns: int = 0
 
 
 class TextOutput(Protocol):

@@ -10,8 +10,8 @@ keep coming, and hand over full packets only, several at a time. A plain port gi
 from collections import deque
 import math
 
+from bahrs_driver.process.text_values import number
 from bahrs_driver.units import BITS_PER_BYTE
-from bahrs_driver.virtual_serial.texts import number
 
 PACKET_BURST = 8 * 62               # bytes: eight full-speed USB packets, less their status
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import math
 import random
 
-from bahrs_driver.virtual_serial.texts import known, number
+from bahrs_driver.process.text_values import known, number
 
 # What each rate counts: happenings for each byte, or for each frame.
 NAMES = {

@@ -6,9 +6,10 @@ import io
 import json
 
 from bahrs_driver.emulator.control import check, execute
+from bahrs_driver.emulator.host_time import HostTime
 from bahrs_driver.emulator.scenario import parse, TimedCommand
 from bahrs_driver.emulator.session import Session
-from bahrs_driver.emulator.truth_file import HostTime, TruthFile
+from bahrs_driver.emulator.truth_file import TruthFile
 from bahrs_driver.errors import ControlError, ScenarioError
 from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation, SoftwareVersion
 from bahrs_driver.protocol.integrity import Integrity

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 from typing import Any, TYPE_CHECKING
 
 from bahrs_driver.devices.bahrs.settings import BahrsSettings
+from bahrs_driver.devices.bahrs.stream_decoder import BahrsStreamDecoder
 from bahrs_driver.devices.spec import DeviceSpec
 from bahrs_driver.protocol.bahrs.frames import BahrsFormat, frame_type
 from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation
@@ -13,6 +14,7 @@ from bahrs_driver.protocol.framing import Frame, FrameFormat
 
 if TYPE_CHECKING:
     from bahrs_driver.devices.parts import Parts
+    from bahrs_driver.emulator.device import DeviceEmulation
 
 PERIODS = {Inertial.TYPE: 0.005, Navigation.TYPE: 0.01}     # s
 
@@ -23,6 +25,7 @@ class BahrsSpec(DeviceSpec[BahrsSettings]):
     name = 'bahrs'
     label = 'BAHRS'
     settings = BahrsSettings
+    stream_decoder = BahrsStreamDecoder
 
     def frame_format(self) -> FrameFormat:
         """Return the frame format with default settings."""
@@ -35,6 +38,11 @@ class BahrsSpec(DeviceSpec[BahrsSettings]):
     def frame_period(self, frame: Frame) -> float | None:
         """Return the seconds between regular frames of this type; None for other frames."""
         return PERIODS.get(frame_type(frame.data))
+
+    def emulation(self) -> 'DeviceEmulation':
+        """Return what emulates the device."""
+        from bahrs_driver.devices.bahrs import emulation
+        return emulation
 
     def topics(self) -> Mapping[str, type]:
         """Return the message type of each topic."""

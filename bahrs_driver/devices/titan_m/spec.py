@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 
 from bahrs_driver.devices.spec import DeviceSpec
 from bahrs_driver.devices.titan_m.settings import TitanMSettings
+from bahrs_driver.devices.titan_m.stream_decoder import TitanStreamDecoder
 from bahrs_driver.protocol.framing import FrameFormat
 from bahrs_driver.protocol.titan_m.frames import AnswerFormat, build_request, CHECKSUM_ORDERS
 from bahrs_driver.protocol.titan_m.messages import StateRequest
 
 if TYPE_CHECKING:
     from bahrs_driver.devices.parts import Parts
+    from bahrs_driver.emulator.device import DeviceEmulation
 
 
 class TitanSpec(DeviceSpec[TitanMSettings]):
@@ -25,10 +27,16 @@ class TitanSpec(DeviceSpec[TitanMSettings]):
     probe_requests = tuple(build_request(StateRequest, checksum_order=order)
                            for order in CHECKSUM_ORDERS)
     needs_read_times = True
+    stream_decoder = TitanStreamDecoder
 
     def frame_format(self) -> FrameFormat:
         """Return the frame format with default settings."""
         return AnswerFormat()
+
+    def emulation(self) -> 'DeviceEmulation':
+        """Return what emulates the device."""
+        from bahrs_driver.devices.titan_m import emulation
+        return emulation
 
     def topics(self) -> Mapping[str, type]:
         """Return the message type of each topic."""

@@ -16,7 +16,7 @@ from bahrs_driver.emulator.bahrs.stream import (
     SIGNALS,
     TimeLabel,
 )
-from bahrs_driver.emulator.device import Emission
+from bahrs_driver.emulator.device import Emission, EmulatedDevice
 from bahrs_driver.emulator.device_clock import DeviceClock
 from bahrs_driver.emulator.motion import Motion
 from bahrs_driver.emulator.noise import Noise
@@ -64,8 +64,10 @@ class BahrsHabits:
     service: ServiceHabits = ServiceHabits()
 
 
-class BahrsDevice:
+class BahrsDevice(EmulatedDevice):
     """A BAHRS that is on from time 0. All times are true ones, in seconds."""
+
+    signals = SIGNALS
 
     def __init__(self, habits: BahrsHabits, motion: Motion, noise: Noise,
                  clock: DeviceClock, pulses: Pulses) -> None:
@@ -92,11 +94,6 @@ class BahrsDevice:
         self._power_on = time
         self._booting = True
         self._pulse_count = 0
-
-    @property
-    def signals(self) -> tuple[str, ...]:
-        """Names of the signals whose integrity can be set."""
-        return SIGNALS
 
     def set_drift(self, ppm: float) -> None:
         """Change how much faster than true time the device's clock runs."""

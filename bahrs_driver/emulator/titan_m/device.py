@@ -7,13 +7,17 @@ from dataclasses import dataclass, field
 import math
 import random
 
-from bahrs_driver.emulator.device import Emission
+from bahrs_driver.emulator.device import Emission, EmulatedDevice
 from bahrs_driver.emulator.titan_m.measurements import TitanMeasures
 from bahrs_driver.protocol.framing import Framer
-from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.protocol.schedule import Schedule
 from bahrs_driver.protocol.titan_m.frames import (
-    build_answer, message_id, OrderChoice, request_of, REQUEST_SIZE, RequestFormat,
+    build_answer,
+    message_id,
+    OrderChoice,
+    request_of,
+    REQUEST_SIZE,
+    RequestFormat,
 )
 from bahrs_driver.protocol.titan_m.messages import ByteOrder, Sensors, TitanAnswer
 from bahrs_driver.units import NS_PER_S
@@ -37,7 +41,7 @@ class TitanHabits:
     by_itself: Mapping[type[TitanAnswer], float] = field(default_factory=dict)
 
 
-class TitanDevice:
+class TitanDevice(EmulatedDevice):
     """
     A Titan-M that is on from time 0. All times are true ones, in seconds.
 
@@ -59,11 +63,6 @@ class TitanDevice:
         """When step() is due: only if it speaks by itself."""
         due = self._schedule.next_after(-1)
         return math.inf if due is None else due / NS_PER_S
-
-    @property
-    def signals(self) -> tuple[str, ...]:
-        """Return nothing: it does not tell what its signals are worth."""
-        return ()
 
     @property
     def misunderstood(self) -> int:
@@ -93,18 +92,6 @@ class TitanDevice:
         self._requests = Framer(RequestFormat(self._habits.request_order))
         self._measures.restart()
         self._ready = time + (self._habits.start_up if time else 0.0)
-
-    def set_integrity(self, signals: tuple[str, ...], integrity: Integrity) -> None:
-        """Refuse (ValueError): it does not tell what its signals are worth."""
-        raise ValueError('a titan_m does not tell what its signals are worth')
-
-    def set_drift(self, ppm: float) -> None:
-        """Refuse (ValueError): nothing that it tells is by its own clock."""
-        raise ValueError('a titan_m tells no time of its own')
-
-    def set_pulse_rate(self, rate: float) -> None:
-        """Refuse (ValueError): it has no input for pulses."""
-        raise ValueError('a titan_m has no input for sync pulses')
 
     def _answer(self, kind: type[TitanAnswer], request_id: int, time: float) -> Emission:
         habits = self._habits

@@ -27,6 +27,7 @@ from bahrs_driver.protocol.layout import (
     vector,
     wire,
 )
+from bahrs_driver.protocol.message import Message
 
 VERSIONS = (1, 2, 3)
 
@@ -44,15 +45,12 @@ _HEIGHT_ROWS = {
 }
 
 
-class BahrsMessage:
-    """What all messages have: the type on the wire, the name, the version it came with."""
+class BahrsMessage(Message):
+    """A message of a BAHRS: its type on the wire, and its first protocol version."""
 
     __slots__ = ()
     TYPE: ClassVar[int]
-    NAME: ClassVar[str]
     SINCE: ClassVar[int] = 1
-    SERVICE: ClassVar[bool] = False
-    SIGNALS: ClassVar[tuple[str, ...]] = ()      # what the fields of `health` stand for
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,6 +119,8 @@ class Accuracy(BahrsMessage):
 @dataclass(frozen=True, slots=True)
 class TimeMessage(BahrsMessage):
     """Ties the sequence number of a data message to device time."""
+
+    PROPERTIES: ClassVar[tuple[str, ...]] = ('valid',)
 
     sequence: int = wire(integer('B'))
     reference_sequence: int = wire(integer('B'))

@@ -12,8 +12,17 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from bahrs_driver.protocol.layout import (
-    before_reserved, flag, integer, Layout, reals, scaled, Vector, vector, wire,
+    before_reserved,
+    flag,
+    integer,
+    Layout,
+    reals,
+    scaled,
+    Vector,
+    vector,
+    wire,
 )
+from bahrs_driver.protocol.message import Message
 from bahrs_driver.units import STANDARD_GRAVITY
 
 ADC_FORCE = 2.522e-3 * STANDARD_GRAVITY  # m/s^2
@@ -30,11 +39,10 @@ ByteOrder = Literal['little', 'big']
 STRUCT_ORDERS: dict[ByteOrder, str] = {'little': '<', 'big': '>'}
 
 
-class TitanMessage:
-    """What all messages have: a name."""
+class TitanMessage(Message):
+    """A message of a Titan-M."""
 
     __slots__ = ()
-    NAME: ClassVar[str]
 
 
 class TitanAnswer(TitanMessage):

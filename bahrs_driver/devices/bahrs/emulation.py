@@ -4,19 +4,19 @@
 
 import argparse
 
-from bahrs_driver.cli.arguments import a_number, checked, opened
 from bahrs_driver.emulator.bahrs.device import BahrsDevice, BahrsHabits, START_UPS
 from bahrs_driver.emulator.bahrs.diagnostics_mode import INACTIVITY, ServiceHabits
 from bahrs_driver.emulator.bahrs.nvm_image import made_up_image, SIZE
 from bahrs_driver.emulator.bahrs.pulses import Pulses
 from bahrs_driver.emulator.device_clock import DeviceClock
+from bahrs_driver.emulator.host_time import HostTime
 from bahrs_driver.emulator.motion import Motion
 from bahrs_driver.emulator.noise import Noise
-from bahrs_driver.emulator.truth_file import HostTime
+from bahrs_driver.process.argument_types import argument_type, bounded_float, open_input
+from bahrs_driver.process.text_values import whole
 from bahrs_driver.protocol.bahrs.messages import VERSIONS
 from bahrs_driver.protocol.bahrs.nvm_session import PAGES
 from bahrs_driver.units import NS_PER_S
-from bahrs_driver.virtual_serial.texts import whole
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,33 +49,34 @@ def _add_device(parser: argparse.ArgumentParser) -> None:
     group.add_argument('--start-up', choices=tuple(START_UPS), default='prompt',
                        help='first sample 0.6 s after power-on, or 2.6 s and then 2.7 s of '
                             'silence, as in a recording (default: %(default)s)')
-    group.add_argument('--drift-ppm', type=a_number('a drift', -1e5, 1e5), default=0.0,
+    group.add_argument('--drift-ppm', type=bounded_float('a drift', -1e5, 1e5), default=0.0,
                        metavar='PPM', help='how much too fast its clock is (default: 0)')
-    group.add_argument('--wander-ppm', type=a_number('a wander', 0, 1e3), default=0.0,
+    group.add_argument('--wander-ppm', type=bounded_float('a wander', 0, 1e3), default=0.0,
                        metavar='PPM', help='random walk of the drift, per square root of a '
                                            'second (default: 0)')
-    group.add_argument('--clock-start', type=checked(_device_time), default=0, metavar='US',
+    group.add_argument('--clock-start', type=argument_type(_device_time), default=0, metavar='US',
                        help='device time at power-on, in microseconds (default: 0)')
-    group.add_argument('--sync-pulse-rate', type=a_number('a rate', 0, 1000), default=0.0,
+    group.add_argument('--sync-pulse-rate', type=bounded_float('a rate', 0, 1000), default=0.0,
                        metavar='HZ', help='pulses at whole multiples of the period in UNIX time; '
                        'the device ignores what comes sooner than 90 ms (default: 0, none)')
-    group.add_argument('--debug-rate', type=a_number('a rate', 0, 200), default=0.0, metavar='HZ',
+    group.add_argument('--debug-rate', type=bounded_float('a rate', 0, 200), default=0.0,
+                       metavar='HZ',
                        help='of the undocumented messages 0xC0 and 0xC1 (default: 0, none)')
-    group.add_argument('--output-delay', type=a_number('a delay', 0, 1000), default=0.0,
+    group.add_argument('--output-delay', type=bounded_float('a delay', 0, 1000), default=0.0,
                        metavar='MS', help='from a sample to the first byte that tells of it, in '
                                           'milliseconds (default: 0)')
 
 
 def _add_service(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group('diagnostics mode: bahrs')
-    group.add_argument('--nvm', type=checked(_image), metavar='FILE',
+    group.add_argument('--nvm', type=argument_type(_image), metavar='FILE',
                        help=f'image of the memory, {SIZE:,} bytes (default: one made up)')
     group.add_argument('--nvm-window', choices=('always', 'power-on'), default='always',
                        help='when the device lets a host in: always, or in the first 0.5 s after '
                             'power-on, as known firmware does (default: %(default)s)')
-    group.add_argument('--nvm-error-pages', type=checked(_pages), default=frozenset(),
+    group.add_argument('--nvm-error-pages', type=argument_type(_pages), default=frozenset(),
                        metavar='PAGE[,PAGE...]', help='pages that cannot be read (default: none)')
-    group.add_argument('--nvm-timeout', type=a_number('a time-out'), default=INACTIVITY,
+    group.add_argument('--nvm-timeout', type=bounded_float('a time-out'), default=INACTIVITY,
                        metavar='SECONDS', help='after how long without a request the device '
                        'leaves by itself (default: %(default)g)')
     group.add_argument('--service-crc', choices=('crc32', 'mpeg2'), default='crc32',
@@ -102,7 +103,7 @@ def _pages(text: str) -> frozenset[int]:
 
 
 def _image(name: str) -> bytes:
-    with opened(name, 'rb') as file:
+    with open_input(name, 'rb') as file:
         image: bytes = file.read(SIZE + 1)
     if len(image) != SIZE:
         size = f'{len(image):,} bytes' if len(image) < SIZE else 'more bytes'

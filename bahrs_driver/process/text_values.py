@@ -1,13 +1,13 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Numbers and names out of what a person typed; ValueError says in a sentence what is wrong."""
+"""Parse numbers and names that a user typed; ValueError explains in a sentence what is wrong."""
 
 from collections.abc import Iterable
 import math
 
 
 def number(text: str, what: str, low: float = 0.0, high: float = math.inf) -> float:
-    """Return the number in a text, which must lie between low and high."""
+    """Parse a number from low to high."""
     try:
         value = float(text)
     except ValueError:
@@ -18,7 +18,7 @@ def number(text: str, what: str, low: float = 0.0, high: float = math.inf) -> fl
 
 
 def whole(text: str, what: str, low: int, high: int) -> int:
-    """Return the whole number in a text, which must lie between low and high."""
+    """Parse a whole number from low to high."""
     value = number(text, what, low, high)
     if value != round(value):
         raise ValueError(f'{what} is {text!r}: it must be a whole number{_limits(low, high)}')
@@ -26,7 +26,7 @@ def whole(text: str, what: str, low: int, high: int) -> int:
 
 
 def known(name: str, what: str, names: Iterable[str]) -> str:
-    """Return a name that must be one of several."""
+    """Return the name if it is one of some names."""
     if name not in names:
         raise ValueError(f'there is no {what} {name!r}, only {", ".join(names)}')
     return name

@@ -4,16 +4,16 @@
 
 import argparse
 
-from bahrs_driver.cli.arguments import a_number, checked
 from bahrs_driver.emulator.ground_path import GroundPath
+from bahrs_driver.emulator.host_time import HostTime
 from bahrs_driver.emulator.motion import Motion
 from bahrs_driver.emulator.noise import Noise
 from bahrs_driver.emulator.titan_m.device import TitanDevice, TitanHabits
 from bahrs_driver.emulator.titan_m.measurements import TitanMeasures, WEEK_MS
-from bahrs_driver.emulator.truth_file import HostTime
+from bahrs_driver.process.argument_types import argument_type, bounded_float
+from bahrs_driver.process.text_values import number, whole
 from bahrs_driver.protocol.titan_m.messages import Gps, Sensors, State
 from bahrs_driver.units import BITS_PER_BYTE
-from bahrs_driver.virtual_serial.texts import number, whole
 
 START = (47.2603, 11.3439)          # degrees; a runway in the mountains
 OUTPUT_RATES = {Sensors: 50.0, State: 50.0, Gps: 10.0}      # Hz, into a file
@@ -23,7 +23,7 @@ NORTHERNMOST = 80.0                 # degrees, that flights begin at
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the options."""
     group = parser.add_argument_group('device: titan_m')
-    group.add_argument('--start', type=checked(_start), default=START, metavar='LAT,LON',
+    group.add_argument('--start', type=argument_type(_start), default=START, metavar='LAT,LON',
                        help='where the motion begins, in degrees (default: {:g},{:g})'.format(
                            *START))
     group.add_argument('--payload-order', choices=('little', 'big'), default='little',
@@ -39,13 +39,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument('--answer-id', choices=('same', 'zero'), default='same',
                        help='message id of an answer: that of its request, or 0 '
                             '(default: %(default)s)')
-    group.add_argument('--answer-delay', type=a_number('a delay', 0, 10_000), default=0.5,
+    group.add_argument('--answer-delay', type=bounded_float('a delay', 0, 10_000), default=0.5,
                        metavar='MS', help='from a request to its answer (default: %(default)s)')
-    group.add_argument('--late-answers', type=a_number('a share', 0, 1), default=0.0,
+    group.add_argument('--late-answers', type=bounded_float('a share', 0, 1), default=0.0,
                        metavar='SHARE', help='of answers that take 0.1 s (default: 0)')
-    group.add_argument('--first-fix', type=a_number('a time', 0, 1e6), default=0.0,
+    group.add_argument('--first-fix', type=bounded_float('a time', 0, 1e6), default=0.0,
                        metavar='SECONDS', help='from power-on to the first GPS fix (default: 0)')
-    group.add_argument('--gps-start', type=checked(_gps_time), default=0, metavar='MS',
+    group.add_argument('--gps-start', type=argument_type(_gps_time), default=0, metavar='MS',
                        help='GPS time of week at the start (default: 0)')
 
 

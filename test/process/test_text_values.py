@@ -1,13 +1,13 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Numbers and names out of texts."""
+"""Tests of parsing numbers and names."""
 
-from bahrs_driver.virtual_serial.texts import known, number, whole
+from bahrs_driver.process.text_values import known, number, whole
 import pytest
 
 
-def test_what_is_right():
-    """Comes out as a value."""
+def test_valid_texts():
+    """They become values."""
     assert number('-1.5', 'it', -2.0, 0.0) == -1.5
     assert whole('7', 'it', 0, 9) == 7
     assert known('a', 'letter', ('a', 'b')) == 'a'
@@ -21,7 +21,7 @@ def test_what_is_right():
     (lambda: whole('1.5', 'it', 0, 9), "it is '1.5': it must be a whole number from 0 to 9"),
     (lambda: known('c', 'letter', ('a', 'b')), "there is no letter 'c', only a, b"),
 ])
-def test_what_is_wrong(call, says):
-    """Is told in a sentence that says what would be right."""
+def test_invalid_texts(call, says):
+    """The error names what would be valid."""
     with pytest.raises(ValueError, match=says):
         call()

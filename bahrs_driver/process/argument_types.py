@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What several verbs need to read their arguments."""
+"""Types of command-line arguments, for argparse."""
 
 import argparse
 from collections.abc import Callable
@@ -9,13 +9,13 @@ from typing import Any, TypeVar
 
 from bahrs_driver.errors import CommandError
 from bahrs_driver.process.printable import printable
-from bahrs_driver.virtual_serial.texts import number
+from bahrs_driver.process.text_values import number
 
 Value = TypeVar('Value')
 
 
-def checked(parse_text: Callable[[str], Value]) -> Callable[[str], Value]:
-    """Return the same function for argparse, which shows only its own kind of error."""
+def argument_type(parse_text: Callable[[str], Value]) -> Callable[[str], Value]:
+    """Return a parser of text that raises the error which argparse shows."""
     def parse_argument(text: str) -> Value:
         try:
             return parse_text(text)
@@ -24,13 +24,13 @@ def checked(parse_text: Callable[[str], Value]) -> Callable[[str], Value]:
     return parse_argument
 
 
-def a_number(what: str, low: float = 0.0, high: float = math.inf) -> Callable[[str], float]:
-    """Return what reads a number between two others."""
-    return checked(lambda text: number(text, what, low, high))
+def bounded_float(what: str, low: float = 0.0, high: float = math.inf) -> Callable[[str], float]:
+    """Return a parser of numbers from low to high."""
+    return argument_type(lambda text: number(text, what, low, high))
 
 
-def opened(name: str, mode: str) -> Any:
-    """Open a file for reading; CommandError if that is not possible."""
+def open_input(name: str, mode: str) -> Any:
+    """Open a file for reading; raise CommandError if it cannot be opened."""
     try:
         return open(name, mode)
     except (OSError, ValueError) as error:
@@ -38,8 +38,8 @@ def opened(name: str, mode: str) -> Any:
         raise CommandError(f'cannot read {printable(name)}: {reason}') from error
 
 
-def positive(text: str) -> float:
-    """Return a number above 0, for argparse."""
+def positive_float(text: str) -> float:
+    """Parse a number above 0."""
     value = float(text)
     if not value > 0:
         raise argparse.ArgumentTypeError(f'{text} is not more than 0')

@@ -1,0 +1,55 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Decode the recorded bytes of a BAHRS, for `bahrs decode`."""
+
+import argparse
+from collections.abc import Sequence
+from typing import Any
+
+from bahrs_driver.devices.stream_decoder import StreamDecoder
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat, frame_version
+from bahrs_driver.protocol.bahrs.messages import MESSAGES, TimeMessage
+from bahrs_driver.protocol.framing import Frame, Framer
+
+
+class BahrsStreamDecoder(StreamDecoder):
+    """Decodes the stream of a BAHRS."""
+
+    head = ('version',)
+    has_device_time = True
+    kinds = MESSAGES
+
+    @classmethod
+    def add_arguments(cls, parser: argparse.ArgumentParser) -> None:
+        """Add the options that describe a BAHRS."""
+        parser.add_argument('--crc', choices=('auto', 'word', 'byte'), default='auto',
+                            help='bahrs: order of the CRC (default: %(default)s)')
+        parser.add_argument('--pressure-height', choices=('uint16', 'int16'), default='uint16',
+                            help='bahrs: format of the pressure height (default: %(default)s)')
+
+    def __init__(self, options: argparse.Namespace) -> None:
+        self._format = BahrsFormat(options.crc)
+        self._codec = BahrsCodec(options.pressure_height)
+        self.framer = Framer(self._format)
+
+    def decode(self, frame: Frame) -> Any:
+        """Return the message of an intact frame."""
+        return self._codec.decode(frame)
+
+    def head_values(self, frame: Frame) -> dict[str, Any]:
+        """Return the protocol version."""
+        return {'version': frame_version(frame.data)}
+
+    def unavailable(self, message: Any) -> Sequence[str]:
+        """Return unavailable signals, and the reference of a time message without a time."""
+        if message.SIGNALS:
+            return [name for name, integrity in zip(message.SIGNALS, message.health)
+                    if not integrity.available]
+        if isinstance(message, TimeMessage) and not message.valid:
+            return ('reference_sequence',)
+        return ()
+
+    def detected(self) -> list[tuple[str, object]]:
+        """Return detected properties of the protocol, by name."""
+        return [('protocol version', self._format.version_seen),
+                ('CRC order', self._format.order_seen)]

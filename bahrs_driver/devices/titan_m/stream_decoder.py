@@ -1,0 +1,71 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Decode the recorded answers of a Titan-M, for `bahrs decode`."""
+
+import argparse
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from bahrs_driver.devices.stream_decoder import StreamDecoder
+from bahrs_driver.protocol.framing import Frame, Framer
+from bahrs_driver.protocol.titan_m.byte_order import PayloadReader
+from bahrs_driver.protocol.titan_m.frames import answer_of, AnswerFormat, message_id
+from bahrs_driver.protocol.titan_m.messages import ANSWERS, Gps, LAST_ZONE
+
+# Columns of a GPS answer that have no value without a position.
+OF_A_POSITION = ('easting', 'northing', 'altitude', 'velocity_ned_north', 'velocity_ned_east',
+                 'velocity_ned_down', 'heading_deg', 'speed', 'ground_speed')
+MOST_HELD = 100_000         # answers that wait for their byte order; a stream may never reveal it
+
+
+class TitanStreamDecoder(StreamDecoder):
+    """Decodes the answers of a Titan-M. The protocol has no version."""
+
+    head = ('version', 'message_id')
+    kinds = ANSWERS
+
+    @classmethod
+    def add_arguments(cls, parser: argparse.ArgumentParser) -> None:
+        """Add the options that describe a Titan-M."""
+        parser.add_argument('--payload-order', choices=('auto', 'little', 'big'), default='auto',
+                            help='titan_m: byte order of payloads (default: %(default)s)')
+        parser.add_argument('--checksum-order', choices=('auto', 'little', 'big'), default='auto',
+                            help='titan_m: byte order of checksums (default: %(default)s)')
+
+    def __init__(self, options: argparse.Namespace) -> None:
+        self._format = AnswerFormat(options.checksum_order)
+        self._reader = PayloadReader[Frame](options.payload_order, MOST_HELD)
+        self.framer = Framer(self._format)
+
+    def decode(self, frame: Frame) -> Any:
+        """Return the answer of an intact frame, its payload as bytes."""
+        return answer_of(frame)
+
+    def messages(self, frames: Iterable[Frame]) -> Iterable[tuple[Frame, Any]]:
+        """Return the messages whose byte order is known by now, in the order of the stream."""
+        for frame in frames:
+            answer = self.decode(frame)
+            for message, found in self._reader.read(answer.kind, answer.payload, frame):
+                yield found, message
+
+    def head_values(self, frame: Frame) -> dict[str, Any]:
+        """Return the message id of the answer."""
+        return {'version': None, 'message_id': message_id(frame)}
+
+    def unavailable(self, message: Any) -> Sequence[str]:
+        """Return the columns of a GPS answer that have no value without a position."""
+        no_position = isinstance(message, Gps) and not 1 <= message.zone <= LAST_ZONE
+        return OF_A_POSITION if no_position else ()
+
+    def detected(self) -> list[tuple[str, object]]:
+        """Return detected properties of the protocol, by name."""
+        return [('payload byte order', self._reader.order),
+                ('checksum byte order', self._format.checksum_order.seen)]
+
+    def complaint(self) -> str:
+        """Return how many answers have an unknown byte order."""
+        count = self._reader.held + self._reader.given_up
+        if not count:
+            return ''
+        return (f'{count} answers are not decoded, because their byte order is unknown: add '
+                '--payload-order little or --payload-order big')
