@@ -22,12 +22,12 @@ from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.diagnostics.updater import Updater
 from bahrs_driver.monitor.tally import MOST_ARRIVALS, Tally
+from bahrs_driver.pipeline import Notice, Pipeline
 from bahrs_driver.protocol.bahrs.frames import build_frame
 from bahrs_driver.protocol.bahrs.messages import layouts
 from bahrs_driver.protocol.titan_m.frames import ANSWER_MARKER, checksum, CHECKSUM_ORDERS
 from bahrs_driver.protocol.titan_m.messages import ANSWERS, PAYLOAD_SIZES
 from bahrs_driver.transport.link import Link, Reading
-from bahrs_driver.transport.receiver import LinkCounters
 import pytest
 from support.settings_examples import parts_of
 
@@ -46,52 +46,42 @@ class Driver:
         self.link = Link('loop://', 115200)
         self.sensor = sensor = parts_of(sensor_name)
         self.live = sensor.live(self.link)
-        self.counters, self.time_task = LinkCounters(), TimeTask(sensor.clock, sensor.health.stale)
+        self.pipeline = Pipeline(sensor.framer, self.live.requester or sensor.codec, sensor.clock)
+        self.time_task = TimeTask(sensor.clock, sensor.health.stale)
         self.now = 0.0
         self.updater = Updater(
-            [FramingTask(sensor.framer, self.counters, 115200, sensor_name, sensor.protocol,
+            [FramingTask(self.pipeline.counters, 115200, sensor_name, sensor.protocol,
                          recognize, 0.1),
              self.time_task, *sensor.health.tasks, *self.live.tasks],
             'test', 'port', lambda: self.now)
 
     def begin(self):
         """Begin a stream."""
-        self.sensor.clock.begin(86_806)
+        self.pipeline.open(86_806)
         self.sensor.health.restart()
         if self.live.requester:
             self.live.requester.opened()
 
     def lose(self, ros_ns):
-        """Lose the link, as the receiver and the node do it."""
-        sensor = self.sensor
-        rest = self.decoded(sensor.framer.flush())
-        self.publish(sensor.clock.stamp(rest) + sensor.clock.end())
-        list(sensor.converter.lost(ros_ns))
+        """Lose the link, as the reader and the node do it."""
+        self.publish(self.pipeline.close())
+        list(self.sensor.converter.lost(ros_ns))
         if self.live.requester:
             self.live.requester.lost()
 
-    def decoded(self, frames):
-        """Return messages with their frames."""
-        codec = self.live.requester or self.sensor.codec
-        return [(codec.decode(frame), frame) for frame in frames]
-
     def feed(self, reading):
         """Take what a read has brought."""
-        sensor, counters = self.sensor, self.counters
         self.now = reading.now.raw_ns / SECOND
-        counters.bytes_received += len(reading.data)
-        counters.last_bytes = (counters.last_bytes + reading.data)[-256:]
-        frames = sensor.framer.feed(reading.data)
-        sensor.clock.observe_read(reading.now, sensor.framer.received)
-        stamped = sensor.clock.stamp(self.decoded(frames))
-        for sentence in sensor.clock.take_notices():
-            self.time_task.notice(sentence, self.now)
+        self.publish(self.pipeline.feed(reading.data, reading.now))
         self.time_task.update(self.now)
-        self.publish(stamped)
 
-    def publish(self, stamped):
+    def publish(self, events):
         """Make ROS messages of device messages."""
-        for message, frame, stamp_ns in stamped:
+        for event in events:
+            if isinstance(event, Notice):
+                self.time_task.notice(event.text, self.now)
+                continue
+            message, frame, stamp_ns = event
             self.sensor.health.observe(message, self.now)
             if self.live.nvm:
                 self.live.nvm.receive(message, frame)

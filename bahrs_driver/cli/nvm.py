@@ -18,8 +18,8 @@ from bahrs_driver.cli.files import binary_input
 from bahrs_driver.cli.outputs import add_force, is_standard_output, output_file
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.cli.signals import shutdown_on_signal
-from bahrs_driver.clock import ArrivalStamps
 from bahrs_driver.errors import CommandError, NvmError
+from bahrs_driver.pipeline import DecodingFault, Event, Pipeline, Stamped
 from bahrs_driver.process.argument_types import bounded_float
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.process.printable import printable
@@ -28,9 +28,10 @@ from bahrs_driver.protocol.bahrs.messages import Inertial
 from bahrs_driver.protocol.bahrs.nvm_image import Assertions, Found, KNOWN_FORMAT, parse
 from bahrs_driver.protocol.bahrs.nvm_session import NvmSession, PAGE_SIZE, PAGES, State, VARIANTS
 from bahrs_driver.protocol.framing import Framer
-from bahrs_driver.transport.link import Link, Reading
+from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.nvm_reader import NvmReader, OnProgress, SessionOptions
-from bahrs_driver.transport.receiver import Received, Receiver
+from bahrs_driver.transport.port_events import Decoded, PortEvent, PortOpened, PortUnavailable
+from bahrs_driver.transport.port_reader import PortReader
 
 LONGEST_ENTER = 600     # s
 OPEN_TIME = 30.0        # s until the port is open, or the reason is known why it is not
@@ -110,7 +111,7 @@ def _pages(options: argparse.Namespace, wanted: Sequence[int]) -> bytes:
         with progress_bar() as progress:
             task = progress.add_task('', total=1.0)
             pages = _read_until_signal(
-                device.reader, wanted,
+                device.nvm, wanted,
                 SessionOptions(options.enter_timeout, options.service_frames),
                 lambda session: progress.update(task, completed=session.progress,
                                                 description=_description(session)))
@@ -149,20 +150,22 @@ def _ask() -> None:
 
 
 class Device:
-    """A device that is listened to, and whose memory can be read."""
+    """A device whose stream is read in a thread, and whose memory can be read."""
 
-    def __init__(self, link: Link, options: argparse.Namespace) -> None:
+    def __init__(self, link: Link, port: str) -> None:
         frame_format = BahrsFormat()
         self.failure = ''
-        self._port = options.port
-        self.reader = NvmReader(link, lambda: frame_format.version_seen)
-        self.receiver = Receiver(link, Framer(frame_format), BahrsCodec(), ArrivalStamps(),
-                                 self, FaultLog(_complain, str))
+        self._port = port
+        self._faults = FaultLog(_complain, str)
+        self._reader = PortReader(link, Pipeline(Framer(frame_format), BahrsCodec()),
+                                  self._faults)
         self._opened = threading.Event()
         self._streams = threading.Event()
+        self.nvm = NvmReader(link, lambda: frame_format.version_seen)
+        self.stop = self._reader.stop
 
     def streams(self, timeout: float) -> bool:
-        """Wait for a port that works (CommandError), and return whether data comes."""
+        """Wait for the port (CommandError if it fails); return whether data arrives in time."""
         if not self._opened.wait(OPEN_TIME):
             raise CommandError(f'{printable(self._port)} could not be opened within '
                                f'{OPEN_TIME:g} s: is another program or the network at fault?')
@@ -170,34 +173,29 @@ class Device:
             raise CommandError(self.failure)
         return self._streams.wait(timeout)
 
-    def link_opened(self) -> None:
-        """Note that there is a port."""
-        self._opened.set()
+    def run(self) -> None:
+        """Read the port until stop() is called."""
+        for event in self._reader.events():
+            self._faults.survive('handling an event of the port', self._handle, event)
 
-    def link_usable(self) -> None:
-        """Do nothing: that it was opened is enough."""
+    def _handle(self, event: PortEvent) -> None:
+        if isinstance(event, PortOpened):
+            self._opened.set()
+        elif isinstance(event, PortUnavailable):
+            self.failure = event.reason
+            self._opened.set()
+            self.nvm.lost(event.reason)
+        elif isinstance(event, Decoded):
+            for item in event.events:
+                self._receive(item)
 
-    def link_failed(self, reason: str, known: bool) -> None:
-        """End the session, and keep the reason."""
-        self.failure = reason
-        self._opened.set()
-        self.reader.lost(reason)
-
-    def time_changed(self, sentence: str) -> None:
-        """Do nothing: time does not matter here."""
-
-    def bytes_read(self, reading: Reading) -> None:
-        """Do nothing: what they mean is all that matters here."""
-
-    def nothing_read(self) -> None:
-        """Do nothing: a device that is asked may well be silent."""
-
-    def received(self, batch: list[Received]) -> None:
-        """Hand over what the device says."""
-        for message, frame, _ in batch:
-            if isinstance(message, Inertial):
+    def _receive(self, item: Event) -> None:
+        if isinstance(item, DecodingFault):
+            self._faults.report('decoding a frame', item.error)
+        elif isinstance(item, Stamped):
+            if isinstance(item.message, Inertial):
                 self._streams.set()
-            self.reader.receive(message, frame)
+            self.nvm.receive(item.message, item.frame)
 
 
 def _complain(sentence: str) -> None:
@@ -207,15 +205,15 @@ def _complain(sentence: str) -> None:
 @contextlib.contextmanager
 def _device(options: argparse.Namespace) -> Iterator[Device]:
     try:
-        device = Device(Link(options.port, options.baud_rate), options)
+        device = Device(Link(options.port, options.baud_rate), options.port)
     except ValueError as error:
         raise CommandError(f'{options.port} cannot be opened: {error}') from error
-    thread = threading.Thread(target=device.receiver.run, name='receiver')
+    thread = threading.Thread(target=device.run, name='reader')
     thread.start()
     try:
         yield device
     finally:
-        device.receiver.stop()
+        device.stop()
         thread.join()
 
 

@@ -14,10 +14,10 @@ from typing import Any, Literal, Protocol
 from bahrs_driver.clock import Clock
 from bahrs_driver.diagnostics.stream_health import StreamHealth
 from bahrs_driver.diagnostics.task import DiagnosticTask
+from bahrs_driver.pipeline import Decoder
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.nvm_reader import NvmReader
-from bahrs_driver.transport.receiver import Codec
 from bahrs_driver.transport.requester import Requester
 
 
@@ -56,7 +56,7 @@ class Parts:
     """What decodes, stamps and converts one stream of bytes of a device."""
 
     framer: Framer
-    codec: Codec
+    codec: Decoder
     clock: Clock
     converter: Converter
     health: StreamHealth

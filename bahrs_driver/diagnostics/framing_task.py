@@ -7,8 +7,8 @@ from typing import Any
 
 from bahrs_driver.diagnostics.task import ERROR, Message, OK, STALE, Status, WARN
 from bahrs_driver.diagnostics.window import Window
-from bahrs_driver.protocol.framing import Framer, FramingCounters
-from bahrs_driver.transport.receiver import LinkCounters
+from bahrs_driver.pipeline import PipelineCounters
+from bahrs_driver.protocol.framing import FramingCounters
 
 ENOUGH_BYTES = 200          # without a frame among them, from which on it is an error
 TEXT_SHARE = 0.95           # of printable bytes, from which on a stream is text
@@ -34,7 +34,7 @@ INTACT = Message(OK, 'All frames intact')
 
 class FramingTask:
     """
-    Watches what the framer makes of the bytes.
+    Watches the counters of a pipeline.
 
     protocol returns detected properties of the device's protocol, recognize the name of the device
     whose frames some bytes contain. Above error_share of damaged frames the line is unusable; any
@@ -45,10 +45,9 @@ class FramingTask:
     messages = (NO_FRAME, TEXT, OTHER_SENSOR, UNKNOWN_TYPES, UNUSABLE, DAMAGED, NOTHING_RECEIVED,
                 INCOMPLETE, INTACT)
 
-    def __init__(self, framer: Framer, counters: LinkCounters, baud_rate: int, sensor: str,
+    def __init__(self, counters: PipelineCounters, baud_rate: int, sensor: str,
                  protocol: Callable[[], Mapping[str, str]],
                  recognize: Callable[[bytes], str], error_share: float) -> None:
-        self._framer = framer
         self._counters = counters
         self._baud_rate = baud_rate
         self._sensor = sensor
@@ -85,7 +84,7 @@ class FramingTask:
         return status.summary(INTACT)
 
     def _values(self, _now: float) -> Mapping[str, str]:
-        framing = self._framer.counters
+        framing = self._counters.framing
         return {
             **self._protocol(),
             'Frames': str(framing.frames),
@@ -95,7 +94,7 @@ class FramingTask:
         }
 
     def _counts(self) -> tuple[int, int, int, int, int]:
-        framing = self._framer.counters
+        framing = self._counters.framing
         unknown = framing.unknown_types.total()
         return (self._counters.bytes_received, framing.frames + unknown, unknown,
                 framing.crc_failures, framing.skipped_bytes)
@@ -103,7 +102,7 @@ class FramingTask:
     def _bytes_without_frame(self) -> int:
         # Over any time: a wrong device may send a few bytes a second only.
         received, frames, *_ = self._counts()
-        count = frames, self._counters.times_opened
+        count = frames, self._counters.streams
         if count != self._last_frame[0]:
             self._last_frame = count, received
         return received - self._last_frame[1]

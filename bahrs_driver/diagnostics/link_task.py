@@ -9,7 +9,7 @@ from bahrs_driver.diagnostics.task import ERROR, Message, OK, seconds_ago, Statu
 from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.transport.explain import CAUSES
 from bahrs_driver.transport.link import Link
-from bahrs_driver.transport.receiver import LinkCounters
+from bahrs_driver.transport.port_reader import LinkCounters
 from bahrs_driver.units import BITS_PER_BYTE
 
 NOT_OPEN = Message(ERROR, '{port} is not open yet')

@@ -27,13 +27,17 @@ from bahrs_driver.node.latched_publisher import create_latched
 from bahrs_driver.node.nvm_services import NvmServices
 from bahrs_driver.node.sim_time import keep_host_time
 from bahrs_driver.node.subscriber_gate import SubscriberGate
+from bahrs_driver.pipeline import DecodingFault, Notice, Pipeline
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.node_settings import NodeSettings
 from bahrs_driver.settings.parameter_node import ParameterNode
 from bahrs_driver.settings.parameter_requests import ParameterRequests
-from bahrs_driver.transport.link import Link, Reading
-from bahrs_driver.transport.receiver import Received, Receiver
+from bahrs_driver.transport.link import Link
+from bahrs_driver.transport.port_events import (
+    BytesRead, Decoded, PortOpened, PortUnavailable, PortUsable, Silence,
+)
+from bahrs_driver.transport.port_reader import PortReader
 from diagnostic_msgs.msg import DiagnosticArray
 from diagnostic_msgs.srv import SelfTest
 from rclpy.clock import Clock, ClockType
@@ -67,13 +71,17 @@ class DriverNode(ParameterNode):
         self._spec = spec = DEVICES[given.sensor]
         self._parts = parts = spec.parts(settings)
         self._live = live = parts.live(self._link)
-        self.receiver = Receiver(self._link, parts.framer, live.requester or parts.codec,
-                                 parts.clock, self, self.faults)
+        self._pipeline = Pipeline(parts.framer, live.requester or parts.codec, parts.clock)
+        self._reader = PortReader(self._link, self._pipeline, self.faults)
+        self._handlers: dict[type, Callable[[Any], None]] = {
+            PortOpened: self._begin_stream, PortUsable: self._log_open,
+            PortUnavailable: self._end_stream, BytesRead: self._publish_bytes,
+            Silence: self._check_silence, Decoded: self._publish_events}
         self._time_task = TimeTask(parts.clock, parts.health.stale)
         self._counts = dict.fromkeys(spec.topics(), 0)
-        self._link_task = LinkTask(self._link, self.receiver.counters, parts.silence_timeout,
+        self._link_task = LinkTask(self._link, self._reader.counters, parts.silence_timeout,
                                    parts.silence_hint, lambda: count_trouble(
-                                       parts.framer.counters, parts.health.lost))
+                                       self._pipeline.counters.framing, parts.health.lost))
         self._updater = self._make_updater(settings)
         self._problems = self._make_problem_log()
         self._gate = SubscriberGate(settings.startup.wait_for_subscribers)
@@ -83,7 +91,6 @@ class DriverNode(ParameterNode):
                          if topic in spec.latched()}
         self._data = {topic: self._latched.get(topic) or self._publisher(message_type, topic)
                       for topic, message_type in spec.topics().items()}
-        self._byte_ns = 0
         self._raw = None
         if settings.publish.raw:
             self._raw = self._publisher(UInt8MultiArray, raw.TOPIC)
@@ -110,12 +117,14 @@ class DriverNode(ParameterNode):
         if self._live.requester:
             self._live.requester.stop()
         self._gate.open()
-        self.receiver.stop()
+        self._reader.stop()
 
     def _read(self) -> None:
         raw_data = {raw.TOPIC: self._raw} if self._raw else {}
         self._gate.wait({**self._data, **raw_data}, self._log.info, self._log.warning)
-        self.receiver.run()
+        for event in self._reader.events():
+            kind = type(event)
+            self.faults.survive(f'handling the event {kind.__name__}', self._handlers[kind], event)
 
     def leave_device(self) -> None:
         """Leave diagnostics mode if the driver entered it."""
@@ -124,59 +133,61 @@ class DriverNode(ParameterNode):
         if self._nvm_services:
             self._nvm_services.wait()
 
-    def link_opened(self) -> None:
-        """Begin another stream."""
-        self._byte_ns = self._link.byte_time_ns
+    def _begin_stream(self, _event: PortOpened) -> None:
         if self._live.requester:
             self._live.requester.opened()
         self._parts.health.restart()
         self._report_change()
 
-    def link_usable(self) -> None:
-        """Log that the port is open."""
+    def _log_open(self, _event: PortUsable) -> None:
         self._log.info(f'{self._link.name} is open')
         self._report_change()
 
-    def link_failed(self, reason: str, known: bool) -> None:
-        """End the stream, and log why there is no data unless that is known."""
-        if not known:
-            self._log.error(reason)
+    def _end_stream(self, event: PortUnavailable) -> None:
+        """Publish that data is lost, and log the reason unless it was logged before."""
+        if not event.reported:
+            self._log.error(event.reason)
         if self._live.nvm:
-            self._live.nvm.lost(reason)
+            self._live.nvm.lost(event.reason)
         if self._live.requester:
             self._live.requester.lost()
         self.faults.survive('publishing that data is lost', lambda: self._publish(
             self._parts.converter.lost(time.time_ns())))
         self._report_change()
 
-    def bytes_read(self, reading: Reading) -> None:
+    def _publish_bytes(self, event: BytesRead) -> None:
         """Publish the bytes of a read if publish.raw is set, and the loss of a stale stream."""
         if self._raw:
-            origin = Origin(self._spec.name, self.receiver.counters.times_opened,
-                            self._byte_ns, reading.now.ros_ns, reading.now.raw_ns)
+            (data, now), connection = event.reading, event.connection
+            origin = Origin(self._spec.name, connection.number, connection.byte_time_ns,
+                            now.ros_ns, now.raw_ns)
             self.faults.survive('publishing raw', self._raw.publish,
-                                raw.message(reading.data, origin.label()))
-        self._notice_silence()
+                                raw.message(data, origin.label()))
+        self._check_silence()
         for publisher in self._latched.values():
             publisher.flush()
 
-    def nothing_read(self) -> None:
-        """Publish that the device is silent."""
-        self._notice_silence()
-
-    def _notice_silence(self) -> None:
+    def _check_silence(self, _event: Silence | None = None) -> None:
+        """Publish that the device is silent, if it is."""
         if self._parts.health.stale(time.monotonic()):
             self._publish(self._parts.converter.silent(time.time_ns()))
 
-    def received(self, batch: list[Received]) -> None:
-        """Publish what the messages of one read become."""
+    def _publish_events(self, event: Decoded) -> None:
+        """Publish the messages of one read; log notices and faults."""
         now, survive = time.monotonic(), self.faults.survive
         parts, nvm = self._parts, self._live.nvm
-        for message, frame, stamp_ns in batch:
-            survive(f'publishing {message.NAME}', self._publish_message, message, stamp_ns)
-            survive('watching the data', parts.health.observe, message, now)
-            if nvm:
-                survive('reading the memory', nvm.receive, message, frame)
+        for item in event.events:
+            if isinstance(item, Notice):
+                self._log.warning(item.text)
+                self._time_task.notice(item.text, now)
+            elif isinstance(item, DecodingFault):
+                self.faults.report('decoding a frame', item.error)
+            else:
+                message, frame, stamp_ns = item
+                survive(f'publishing {message.NAME}', self._publish_message, message, stamp_ns)
+                survive('watching the data', parts.health.observe, message, now)
+                if nvm:
+                    survive('reading the memory', nvm.receive, message, frame)
         survive('watching the clock', self._time_task.update, now)
         for sentence in parts.take_notices():
             self._log.warning(sentence)
@@ -194,13 +205,8 @@ class DriverNode(ParameterNode):
             publisher.supervise()
         self._report_change()
         # Why the port is not open was logged when it closed.
-        is_open = self.receiver.counters.open_since is not None
+        is_open = self._reader.counters.open_since is not None
         self._problems.check(self._updater.summaries() if is_open else {}, time.monotonic())
-
-    def time_changed(self, sentence: str) -> None:
-        """Log a change of a clock, and show it in the task Time."""
-        self._log.warning(sentence)
-        self._time_task.notice(sentence, time.monotonic())
 
     def _listen_for_pulses(self, topic: str) -> None:
         try:
@@ -241,10 +247,10 @@ class DriverNode(ParameterNode):
                       self._parts.health.device_id(), response)
 
     def _make_updater(self, settings: CommonSettings) -> Updater:
-        spec, parts, counters = self._spec, self._parts, self.receiver.counters
+        spec, parts = self._spec, self._parts
         tasks: list[DiagnosticTask] = [
             self._link_task,
-            FramingTask(parts.framer, counters, self._link.baud_rate, spec.name,
+            FramingTask(self._pipeline.counters, self._link.baud_rate, spec.name,
                         parts.protocol, recognize, settings.diagnostics.damaged_share),
             self._time_task,
             *parts.health.tasks,

@@ -9,6 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from bahrs_driver.bag.capture import Capture
+from bahrs_driver.bag.log_clock import LogClock
+from bahrs_driver.bag.play_capture import play_capture
+from bahrs_driver.pipeline import Pipeline, PipelineCounters
 from bahrs_driver.protocol.bahrs.frames import (
     BahrsCodec, BahrsFormat, frame_size, frame_version, HEADER, MARKER,
 )
@@ -17,7 +20,7 @@ from bahrs_driver.protocol.bahrs.messages import (
     SoftwareVersion, SyncPulseTime,
 )
 from bahrs_driver.protocol.batch import Batch
-from bahrs_driver.protocol.framing import Framer, FramingCounters
+from bahrs_driver.protocol.framing import Frame, Framer, FramingCounters
 from bahrs_driver.report.timeline import Array, Timeline, timeline
 from bahrs_driver.units import COUNTER_MODULUS
 import numpy as np
@@ -72,32 +75,48 @@ class Recording:
         return float(self.timeline.seconds[-1]) if len(self.timeline.seconds) else 0.0
 
 
+class _FrameCollector:
+    """A decoder that keeps frames, to decode many of them at once."""
+
+    def __init__(self) -> None:
+        self._frames: list[Frame] = []
+
+    def expected(self) -> tuple[()]:
+        """Return an empty tuple: a recording holds no requests."""
+        return ()
+
+    def decode(self, frame: Frame, _now: int) -> None:
+        """Keep a frame."""
+        self._frames.append(frame)
+
+    def take(self) -> list[Frame]:
+        """Return the frames since the last call."""
+        frames, self._frames = self._frames, []
+        return frames
+
+
 def gather(capture: Capture, crc: Any = 'auto', height_format: Any = 'uint16',
            progress: Callable[[], None] = lambda: None) -> Recording:
     """Read a capture; progress is called after each piece. CaptureError if it cannot be read."""
     frame_format, codec = BahrsFormat(crc), BahrsCodec(height_format)
-    framer, batch = Framer(frame_format), Batch(codec.layouts_by_header)
+    collector, batch = _FrameCollector(), Batch(codec.layouts_by_header)
+    pipeline = Pipeline(Framer(frame_format), collector)
     times, raws, received = array('q'), array('q'), array('q')      # there are millions
-    opening = openings = 0
-    for chunk in capture.chunks():
-        if chunk.opening != opening:
-            batch.add(framer.flush())
-            opening, openings = chunk.opening, openings + 1
-        batch.add(framer.feed(chunk.data))
-        if chunk.read_at is not None:
+    for chunk, *_ in play_capture(capture, pipeline, LogClock()):
+        batch.add(collector.take())
+        if chunk.data and chunk.read_at is not None:
             times.append(chunk.read_at)
             if chunk.raw_at is not None:
                 raws.append(chunk.raw_at)
-            received.append(framer.received)
+            received.append(pipeline.received)
         progress()
-    batch.add(framer.flush())
     reads = Reads(np.array(times), np.array(raws) if len(raws) == len(times) else None,
                   np.array(received), capture.byte_ns or 0) if times else None
-    return _recording(capture, batch, framer, frame_format, codec, reads, openings)
+    return _recording(capture, batch, pipeline.counters, frame_format, codec, reads)
 
 
-def _recording(capture: Capture, batch: Batch, framer: Framer, frame_format: BahrsFormat,
-               codec: BahrsCodec, reads: Reads | None, openings: int) -> Recording:
+def _recording(capture: Capture, batch: Batch, counters: PipelineCounters,
+               frame_format: BahrsFormat, codec: BahrsCodec, reads: Reads | None) -> Recording:
     counts, versions = Counter[str](), Counter[int]()
     for header, count in batch.counts().items():
         counts[codec.layouts_by_header[header].message.NAME] += count
@@ -114,7 +133,7 @@ def _recording(capture: Capture, batch: Batch, framer: Framer, frame_format: Bah
 
     software, hardware = batch.take(SoftwareVersion), batch.take(HardwareVersion)
     return Recording(
-        capture.path.name, framer.received, framer.counters, dict(counts), dict(versions),
+        capture.path.name, counters.bytes_received, counters.framing, dict(counts), dict(versions),
         frame_format.order_seen,
         SoftwareVersion(*_last(software)) if len(software) else None,
         HardwareVersion(*_last(hardware)) if len(hardware) else None,
@@ -122,7 +141,7 @@ def _recording(capture: Capture, batch: Batch, framer: Framer, frame_format: Bah
         _signals(Navigation, when(navigation), navigation),
         _signals(Accuracy, when(accuracy := batch.take(Accuracy)), accuracy),
         when(batch.take(SyncPulseTime)), _label(navigation, batch.take(NavigationTime)), reads,
-        offsets + _inertial_size(codec, versions), openings, capture.notes)
+        offsets + _inertial_size(codec, versions), counters.streams, capture.notes)
 
 
 def _signals(kind: type[Any], seconds: Array, array: Array) -> Signals:

@@ -13,9 +13,12 @@ from itertools import chain
 from typing import Any
 
 from bahrs_driver.bag.capture import Capture, Chunk
+from bahrs_driver.bag.log_clock import LogClock
+from bahrs_driver.bag.play_capture import play_capture
 from bahrs_driver.clock.time_reference import Label
+from bahrs_driver.pipeline import Pipeline, Stamped
 from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation
-from bahrs_driver.protocol.framing import Frame, Framer
+from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.reprocess.byte_clock import ByteClock
 from bahrs_driver.reprocess.counted_stream import CountedStream
 from bahrs_driver.units import NS_PER_MS
@@ -31,7 +34,7 @@ class DeviceTimed(Capture):
     timed = True
     byte_ns = 0
 
-    def __init__(self, capture: Capture, make_framer: Callable[[], Framer], codec: Any,
+    def __init__(self, capture: Capture, make_pipeline: Callable[[], Pipeline],
                  label: Label, start_ns: int | None, progress: Callable[[str], None]) -> None:
         """
         Look at all messages.
@@ -44,8 +47,11 @@ class DeviceTimed(Capture):
             self._stream = CountedStream(label, kind)
             # Of each chunk where it ends, and the count of its last sample.
             self._ends, self._counts = array('q'), array('q')
-            for frame in _frames(capture, make_framer(), progress):
-                self._take(frame, codec.decode(frame))
+            for played in play_capture(capture, make_pipeline(), LogClock()):
+                progress('looking for times')
+                for event in played.events:
+                    if isinstance(event, Stamped):
+                        self._take(event.frame, event.message)
             if self._stream.before:
                 break
         self._stream.finish(start_ns)
@@ -79,11 +85,3 @@ class DeviceTimed(Capture):
                 stream.count - before > LONG_GAP or before % SAMPLES < stream.step):
             self._ends.append(frame.offset)
             self._counts.append(before)
-
-
-def _frames(capture: Capture, framer: Framer,
-            progress: Callable[[str], None]) -> Iterator[Frame]:
-    for chunk in capture.chunks():
-        progress('looking for times')
-        yield from framer.feed(chunk.data)
-    yield from framer.flush()

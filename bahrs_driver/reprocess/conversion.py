@@ -8,18 +8,21 @@ are held for some seconds, so that they leave in the order of their log times, w
 stamps without the steps of the host clock (see `log_clock`).
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 import heapq
 from typing import Any, NamedTuple, Protocol
 
 from bahrs_driver.bag.capture import Capture, Chunk
-from bahrs_driver.bag.log_clock import LogClock, Moment
+from bahrs_driver.bag.log_clock import LogClock
+from bahrs_driver.bag.play_capture import play_capture, PlayedChunk
 from bahrs_driver.bag.read_metadata import Origin
-from bahrs_driver.clock import Clock, Instant, Stamped
+from bahrs_driver.clock import Clock
 from bahrs_driver.convert import raw
 from bahrs_driver.devices.parts import Parts
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.spec import AnyDevice
+from bahrs_driver.pipeline import DecodingFault, Event, Pipeline, Stamped
+from bahrs_driver.process.printable import printable
 from bahrs_driver.reprocess import replay_diagnostics
 from bahrs_driver.reprocess.byte_times import DeviceTimed
 from bahrs_driver.reprocess.replay_diagnostics import FlightHealth
@@ -52,15 +55,6 @@ class Outcome(NamedTuple):
     clock_steps: list[str]          # a sentence for each time that the host's clock was set
 
 
-class Played(NamedTuple):
-    """A chunk of a capture, and what the driver makes of it."""
-
-    chunk: Chunk
-    moment: Moment                  # of its read
-    batch: list[Stamped]            # messages that it completes
-    lost: bool = False              # whether the port was lost after it
-
-
 class Conversion:
     """Converts one capture."""
 
@@ -78,6 +72,8 @@ class Conversion:
         self._start_ns = start_ns
         self._heap: list[tuple[int, int, str, Any]] = []
         self._count = self._first = self._last = 0
+        self._fault_count = 0               # frames that could not be decoded
+        self._fault: DecodingFault | None = None        # the first of them
         self.notices: list[str] = []        # sentences about the data
 
     def run(self, output: Output, progress: Callable[[str], None]) -> Outcome:
@@ -85,39 +81,41 @@ class Conversion:
         capture, clock = self._survey(progress)
         parts = self._make_parts()
         clock = clock or parts.clock
+        pipeline = Pipeline(parts.framer, parts.codec, clock)
         topics = dict(self._spec.topics())
         if self._given.timed:
             topics[raw.TOPIC] = UInt8MultiArray
         topics.update(parts.service_topics)
         topics[replay_diagnostics.TOPIC] = DiagnosticArray
-        health = FlightHealth(self._spec, parts, clock, self._settings)
+        health = FlightHealth(
+            self._spec, parts, clock, pipeline.counters, self._settings)
         output.begin(topics, {topic for topic in topics if topic in self._spec.latched()})
         log_clock = LogClock()
-        for played in _play(capture, parts, clock, log_clock):
+        for played in play_capture(capture, pipeline, log_clock):
             progress('converting')
             self._convert(played, parts, health)
             self._release(output, played.moment.log_ns - HOLD)
         self._release(output, None)
-        self.notices = parts.take_notices()
-        counters = parts.framer.counters
+        self.notices = [*parts.take_notices(), *self._fault_notice()]
+        counters = pipeline.counters.framing
         return Outcome(counters.frames, counters.skipped_bytes, self._count, self._first,
                        self._last, log_clock.sentences())
 
     def _make_parts(self) -> Parts:
         return self._spec.parts(self._settings)
 
-    def _convert(self, played: Played, parts: Parts, health: FlightHealth) -> None:
-        chunk, moment, batch, lost = played
+    def _convert(self, played: PlayedChunk, parts: Parts, health: FlightHealth) -> None:
+        chunk, moment, events, lost = played
         now, converter = moment.log_ns, parts.converter
         self._tell(health.before(now))
-        for message, _, stamp_ns in batch:
+        for message, _, stamp_ns in self._messages(events):
             self._take(converter.convert(message, stamp_ns), stamp_ns - moment.offset,
                        health.counts)
             for topic, page in parts.service_messages(message):
                 self._hold(now, topic, page)
         if lost:
             self._take(converter.lost(moment.ros_ns), now, health.counts)
-        self._tell(health.after(chunk, moment, batch))
+        self._tell(health.after(chunk, moment, events))
         if self._given.timed and chunk.data:
             self._hold(now, *self._raw(chunk))
 
@@ -126,16 +124,33 @@ class Conversion:
         parts = self._make_parts()
         if not self._given.timed:
             timed = DeviceTimed(
-                self._given, lambda: self._make_parts().framer, parts.codec,
+                self._given, lambda: Pipeline(self._make_parts().framer, parts.codec),
                 parts.time_label, self._start_ns, progress)
             return timed, timed.clock(
                 round(self._settings.time.fixed_latency * NS_PER_S))
         smoothing = parts.clock.smoothing()
         if smoothing is None:
             return self._given, None
-        for _ in _play(self._given, parts, smoothing.first_pass, LogClock()):
+        first_pass = Pipeline(parts.framer, parts.codec, smoothing.first_pass)
+        for _ in play_capture(self._given, first_pass, LogClock()):
             progress('looking at the clock')
         return self._given, smoothing.second_pass()
+
+    def _messages(self, events: Sequence[Event]) -> Iterator[Stamped]:
+        """Yield the messages among events, and note frames that could not be decoded."""
+        for event in events:
+            if isinstance(event, Stamped):
+                yield event
+            elif isinstance(event, DecodingFault):
+                self._fault = self._fault or event
+                self._fault_count += 1
+
+    def _fault_notice(self) -> Iterator[str]:
+        if self._fault:
+            frame, error = self._fault
+            yield (f'{self._fault_count} frames could not be decoded, the first at byte '
+                   f'{frame.offset} ({type(error).__name__}: {printable(error)}): this is a fault '
+                   'of bahrs_driver, please report it')
 
     def _raw(self, chunk: Chunk) -> tuple[str, UInt8MultiArray]:
         read_at = chunk.read_at or 0
@@ -164,27 +179,3 @@ class Conversion:
             self._first = self._first or max(0, log_ns)
             self._last = max(log_ns, self._last)
             output.write(topic, self._last, message)
-
-
-def _play(capture: Capture, parts: Parts, clock: Clock, log_clock: LogClock
-          ) -> Iterator[Played]:
-    """Stamp a capture as the receiver would; yield each chunk with what it completes."""
-    framer, codec = parts.framer, parts.codec
-    last: Chunk | None = None
-    moment = Moment(0, 0, 0)
-    for chunk in capture.chunks():
-        if last is None or chunk.opening != last.opening:
-            if last:
-                rest = [(codec.decode(frame), frame) for frame in framer.flush()]
-                yield Played(last._replace(data=b''), moment, clock.stamp(rest) + clock.end(),
-                             True)
-            clock.begin(capture.byte_ns or 0)
-        last = chunk
-        frames = framer.feed(chunk.data)
-        moment = log_clock.observe(chunk.read_at or 0, chunk.raw_at)
-        clock.observe_read(Instant(moment.raw_ns, moment.ros_ns), framer.received)
-        messages = [(codec.decode(frame), frame) for frame in frames]
-        yield Played(chunk, moment, clock.stamp(messages))
-    if last:
-        rest = [(codec.decode(frame), frame) for frame in framer.flush()]
-        yield Played(last._replace(data=b''), moment, clock.stamp(rest) + clock.end())

@@ -6,11 +6,11 @@ The diagnostics of a flight, generated again at the flight's own times.
 All tasks are there but *Link*: what is recorded of a port is its bytes, not the port.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from bahrs_driver.bag.capture import Chunk
 from bahrs_driver.bag.log_clock import Moment
-from bahrs_driver.clock import Clock, Stamped
+from bahrs_driver.clock import Clock
 from bahrs_driver.devices.parts import Parts
 from bahrs_driver.devices.registry import recognize
 from bahrs_driver.devices.settings import CommonSettings
@@ -19,7 +19,7 @@ from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.diagnostics.updater import Updater
-from bahrs_driver.transport.receiver import LinkCounters, SAMPLE_SIZE
+from bahrs_driver.pipeline import Event, Notice, PipelineCounters, Stamped
 from bahrs_driver.units import NS_PER_S
 from diagnostic_msgs.msg import DiagnosticArray
 
@@ -32,18 +32,16 @@ class FlightHealth:
     """Watches a capture being played. Times are log times in ns, stamps are ROS time."""
 
     def __init__(self, spec: AnyDevice, parts: Parts, clock: Clock,
-                 settings: CommonSettings) -> None:
+                 counters: PipelineCounters, settings: CommonSettings) -> None:
         self.counts = dict.fromkeys(spec.topics(), 0)       # messages made, by topic
-        self._health, self._clock = parts.health, clock
-        self._counters = LinkCounters()
+        self._health = parts.health
         self._time_task = TimeTask(clock, parts.health.stale)
         self._now = self._due = self._offset = 0
         self._opening: int | None = None
         self._publishing_task = PublishingTask(self.counts, parts.silence_timeout,
                                                spec.latched())
         self._updater = Updater(
-            [FramingTask(parts.framer, self._counters, settings.baud_rate,
-                         spec.name, parts.protocol, recognize,
+            [FramingTask(counters, settings.baud_rate, spec.name, parts.protocol, recognize,
                          settings.diagnostics.damaged_share),
              self._time_task, *parts.health.tasks, self._publishing_task],
             'bahrs_driver', spec.name, lambda: self._now / NS_PER_S)
@@ -58,20 +56,19 @@ class FlightHealth:
         self._due = max(self._due, now)
 
     def after(self, chunk: Chunk, moment: Moment,
-              batch: list[Stamped]) -> Iterator[tuple[int, DiagnosticArray]]:
+              events: Sequence[Event]) -> Iterator[tuple[int, DiagnosticArray]]:
         """Take a chunk and what it completed, and return a report if one is due."""
         self._now, self._offset = moment.log_ns, moment.offset
         seconds = self._now / NS_PER_S
         if chunk.opening != self._opening:
             self._opening = chunk.opening
             self._health.restart()
-        self._counters.bytes_received += len(chunk.data)
-        self._counters.last_bytes = (self._counters.last_bytes + chunk.data)[-SAMPLE_SIZE:]
         self._time_task.update(seconds)
-        for sentence in self._clock.take_notices():
-            self._time_task.notice(sentence, seconds)
-        for message, _, _ in batch:
-            self._health.observe(message, seconds)
+        for event in events:
+            if isinstance(event, Notice):
+                self._time_task.notice(event.text, seconds)
+            elif isinstance(event, Stamped):
+                self._health.observe(event.message, seconds)
         self._publishing_task.update(seconds)
         if self._now >= self._due or self._updater.change_due():
             yield self._report(self._now)

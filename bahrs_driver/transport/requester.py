@@ -66,7 +66,7 @@ class Requester:
             self._conversation.end()
         self.write_error = ''
 
-    def decode(self, frame: Frame) -> Any:
+    def decode(self, frame: Frame, _now: int = 0) -> Any:
         """
         Return the message of a frame that has come, having sent what is due now that it has.
 

@@ -13,12 +13,14 @@ from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.sharing_watch import ENOUGH_STOLEN
 from bahrs_driver.diagnostics.task import ERROR, OK, STALE, WARN
 from bahrs_driver.diagnostics.window import Window
+from bahrs_driver.pipeline import PipelineCounters
+from bahrs_driver.pipeline.pipeline import SAMPLE_SIZE
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec
 from bahrs_driver.protocol.bahrs.messages import Navigation
 from bahrs_driver.protocol.framing import FramingCounters
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.transport.receiver import LinkCounters, SAMPLE_SIZE
+from bahrs_driver.transport.port_reader import LinkCounters
 import pytest
 from support.tasks import summary_of, values_of
 
@@ -93,13 +95,13 @@ def test_traffic_is_told_against_the_baud_rate():
 
 def framing_summary(received, frames, failures, skipped, last_bytes=b'\xff' * 99):
     """Return the summary after a second that brought so much."""
-    framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters()
-    task = FramingTask(framer, counters, 115200, 'bahrs', lambda: {'CRC order': 'word'},
+    counters = PipelineCounters(FramingCounters())
+    task = FramingTask(counters, 115200, 'bahrs', lambda: {'CRC order': 'word'},
                        recognize, 0.1)
     summary_of(task, 0.0)
     counters.bytes_received, counters.last_bytes = received, last_bytes
-    framer.counters.frames, framer.counters.crc_failures = frames, failures
-    framer.counters.skipped_bytes = skipped
+    counters.framing.frames, counters.framing.crc_failures = frames, failures
+    counters.framing.skipped_bytes = skipped
     assert values_of(task, 1.0)['CRC failures'] == str(failures)
     return summary_of(task, 1.0)
 
@@ -135,8 +137,8 @@ def test_integrity_of_a_stream_that_ended_is_not_known():
 def test_the_other_sensor_is_named():
     """Its frames are as good a proof as ours."""
     bahrs = BahrsCodec().encode(NAVIGATION, 3)
-    framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters()
-    task = FramingTask(framer, counters, 115200, 'titan_m', dict, recognize, 0.1)
+    counters = PipelineCounters(FramingCounters())
+    task = FramingTask(counters, 115200, 'titan_m', dict, recognize, 0.1)
     summary_of(task, 0.0)
     counters.bytes_received, counters.last_bytes = 8000, (bahrs * 12)[-SAMPLE_SIZE:]
     assert summary_of(task, 1.0) == (
@@ -145,39 +147,39 @@ def test_the_other_sensor_is_named():
 
 def test_a_wrong_device_that_says_little_is_told_as_well():
     """A sentence of 70 bytes a second, as GNSS receivers have it; not after a new opening."""
-    framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters(times_opened=1)
-    task = FramingTask(framer, counters, 115200, 'bahrs', dict, recognize, 0.1)
+    counters = PipelineCounters(FramingCounters(), streams=1)
+    task = FramingTask(counters, 115200, 'bahrs', dict, recognize, 0.1)
     for second in range(6):
         counters.bytes_received += 70
         counters.last_bytes = b'$GPGGA,123519,4807.038,N*47\r\n'
         summary = summary_of(task, float(second))
     assert summary.level == ERROR and 'another device' in summary.message
-    counters.times_opened, counters.bytes_received = 2, counters.bytes_received + 20
+    counters.streams, counters.bytes_received = 2, counters.bytes_received + 20
     assert summary_of(task, 6.0) == (STALE, 'Waiting for a whole frame')
 
 
 def test_a_share_of_damage_at_the_limit_is_not_another_level_at_every_frame():
     """Each change of level is reported at once."""
-    framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters()
-    task, levels = FramingTask(framer, counters, 115200, 'bahrs', dict, recognize, 0.1), []
+    counters = PipelineCounters(FramingCounters())
+    task, levels = FramingTask(counters, 115200, 'bahrs', dict, recognize, 0.1), []
     chance = random.Random(3)
     for index in range(9000):
         counters.bytes_received += 24
         if chance.random() < 0.1:
-            framer.counters.crc_failures += 1
+            counters.framing.crc_failures += 1
         else:
-            framer.counters.frames += 1
+            counters.framing.frames += 1
         levels.append(summary_of(task, index / 450).level)
     assert sum(before != after for before, after in zip(levels, levels[1:])) < 10
 
 
 def test_a_device_of_an_unknown_version_is_told():
     """Its frames are intact, and not one of them is understood."""
-    framer, counters = SimpleNamespace(counters=FramingCounters()), LinkCounters()
-    task = FramingTask(framer, counters, 115200, 'bahrs', dict, recognize, 0.1)
+    counters = PipelineCounters(FramingCounters())
+    task = FramingTask(counters, 115200, 'bahrs', dict, recognize, 0.1)
     summary_of(task, 0.0)
     counters.bytes_received = 8000
-    framer.counters.unknown_types.add('0x01 of version 4', 300)
+    counters.framing.unknown_types.add('0x01 of version 4', 300)
     level, message = summary_of(task, 1.0)
     assert level == ERROR and 'is the bahrs newer than this driver?' in message
 

@@ -3,7 +3,7 @@
 """
 The path of bytes through the live node, without a ROS graph.
 
-The golden tests use internals of the driver only here. If the receiver is replaced, adapt this
+The golden tests use internals of the driver only here. If the reader is replaced, adapt this
 module; the hashes must not change.
 """
 
@@ -13,9 +13,13 @@ from bahrs_driver.bag.serialization import serialized
 from bahrs_driver.clock import Instant
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.errors import LinkError
+from bahrs_driver.pipeline import Notice, Pipeline
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.transport.link import Reading
-from bahrs_driver.transport.receiver import Receiver
+from bahrs_driver.transport.port_events import (
+    BytesRead, Decoded, PortOpened, PortUnavailable, PortUsable,
+)
+from bahrs_driver.transport.port_reader import PortReader
 from golden_inputs import BYTE_NS, Input, Read, SECOND
 from support.polled import make_titan, PolledDevice
 from support.settings_examples import parts_of, settings_of
@@ -27,10 +31,8 @@ def node_path(source: Input, changes: dict[str, object]) -> list[tuple[str, byte
     """Return topic and serialised message of all that the node publishes for an input."""
     spec = DEVICES[source.sensor]
     sensor = spec.parts(settings_of(spec.name, **changes).for_recording())
-    node = _Node(sensor)
-    node.receiver = Receiver(_ScriptedLink(source.openings), sensor.framer, sensor.codec,
-                             sensor.clock, node, FaultLog(node.note, lambda _: None))
-    node.receiver.run()
+    node = _Node(sensor, _ScriptedLink(source.openings))
+    node.run()
     return node.published
 
 
@@ -45,7 +47,7 @@ def polled_path(changes: dict[str, object]) -> list[tuple[str, bytes]]:
 
 
 class _ScriptedLink:
-    """A link that opens as often as there are openings, then ends the receiver."""
+    """A link that opens as often as there are openings, then ends the reader."""
 
     name = 'port'
     byte_time_ns = BYTE_NS
@@ -75,12 +77,12 @@ class _ScriptedLink:
 
 
 class _Node:
-    """A listener that does what DriverNode does, at the time of the read."""
+    """Does with the events of the port what DriverNode does, at the time of the read."""
 
-    receiver: Receiver
-
-    def __init__(self, sensor) -> None:
+    def __init__(self, sensor, link: _ScriptedLink) -> None:
         self._sensor = sensor
+        self._reader = PortReader(link, Pipeline(sensor.framer, sensor.codec, sensor.clock),
+                                  FaultLog(self.note, lambda _: None))
         self._now = Instant(0, 0)
         self.published: list[tuple[str, bytes]] = []
 
@@ -88,38 +90,41 @@ class _Node:
         """Keep a sentence for the log."""
         self.published.append((EVENTS, text.encode()))
 
-    def link_opened(self) -> None:
+    def run(self) -> None:
+        """Handle all events."""
+        handlers = {PortOpened: self._opened, PortUsable: lambda _: self.note('usable'),
+                    PortUnavailable: self._failed, BytesRead: self._read, Decoded: self._decoded}
+        for event in self._reader.events():
+            handlers[type(event)](event)
+
+    def _opened(self, _) -> None:
         """Begin a stream."""
         self._sensor.health.restart()
 
-    def link_usable(self) -> None:
-        """Note it."""
-        self.note('usable')
-
-    def link_failed(self, reason: str, known: bool) -> None:
+    def _failed(self, event: PortUnavailable) -> None:
         """Note it, publish the end of the stream, and stop at the end of the script."""
-        self.note(f'{reason} {known}')
-        if reason == 'end of the script':
-            self.receiver.stop()
+        self.note(f'{event.reason} {event.reported}')
+        if event.reason == 'end of the script':
+            self._reader.stop()
         self._publish(self._sensor.converter.lost(self._now.ros_ns))
 
-    def bytes_read(self, reading: Reading) -> None:
+    def _read(self, event: BytesRead) -> None:
         """Publish the loss of a stale stream."""
-        self._now = reading.now
+        self._now = event.reading.now
         if self._sensor.health.stale(self._now.raw_ns / SECOND):
             self._publish(self._sensor.converter.silent(self._now.ros_ns))
 
-    def received(self, batch) -> None:
+    def _decoded(self, event: Decoded) -> None:
         """Publish what the messages of one read become."""
-        for message, _, stamp_ns in batch:
+        for item in event.events:
+            if isinstance(item, Notice):
+                self.note(item.text)
+                continue
+            message, _, stamp_ns = item
             self._publish(self._sensor.converter.convert(message, stamp_ns))
             self._sensor.health.observe(message, self._now.raw_ns / SECOND)
         for sentence in self._sensor.take_notices():
             self.note(sentence)
-
-    def time_changed(self, sentence: str) -> None:
-        """Note it."""
-        self.note(sentence)
 
     def _publish(self, outgoing) -> None:
         self.published += [(topic, serialized(message)) for topic, message in outgoing]

@@ -5,6 +5,7 @@
 from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.clock import Instant
 from bahrs_driver.clock.counter import PERIOD
+from bahrs_driver.pipeline import Pipeline
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import (
     Inertial, InertialTime, Navigation, NavigationTime, SoftwareVersion, SyncPulseTime,
@@ -38,15 +39,15 @@ class Bytes(Capture):
 
 def stamped(data, start=None, size=1000, label='auto', latency=0):
     """Return all stamped messages of a stream, and the chunks that it was cut into."""
-    codec = BahrsCodec()
-    timed = DeviceTimed(Bytes(data, size=size), lambda: Framer(BahrsFormat()), codec, label,
-                        start, lambda what: None)
-    clock, framer, found, chunks = timed.clock(latency), Framer(BahrsFormat()), [], []
+    def make_pipeline(clock=None):
+        return Pipeline(Framer(BahrsFormat()), BahrsCodec(), clock)
+
+    timed = DeviceTimed(Bytes(data, size=size), make_pipeline, label, start, lambda what: None)
+    pipeline, found, chunks = make_pipeline(timed.clock(latency)), [], []
     for chunk in timed.chunks():
         chunks.append(chunk)
-        clock.observe_read(Instant(chunk.read_at, chunk.read_at), 0)
-        found += clock.stamp((codec.decode(frame), frame) for frame in framer.feed(chunk.data))
-    found += clock.stamp((codec.decode(frame), frame) for frame in framer.flush())
+        found += pipeline.feed(chunk.data, Instant(chunk.read_at, chunk.read_at))
+    found += pipeline.close()
     assert b''.join(chunk.data for chunk in chunks) == data
     assert [chunk.read_at for chunk in chunks] == sorted(chunk.read_at for chunk in chunks)
     return found

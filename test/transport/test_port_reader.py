@@ -1,18 +1,22 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the receiving thread, on a link that is a script."""
+"""Tests of the reader of the port, on a link that is a script."""
 
 import contextlib
 import threading
 
 from bahrs_driver.clock import ArrivalStamps, Instant
+from bahrs_driver.pipeline import DecodingFault, Notice, Pipeline
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import NavigationTime, SyncPulseTime
 from bahrs_driver.protocol.framing import Framer
-from bahrs_driver.transport import receiver as receiver_module
+from bahrs_driver.transport import port_reader
 from bahrs_driver.transport.link import LinkError, Reading
-from bahrs_driver.transport.receiver import Receiver
+from bahrs_driver.transport.port_events import (
+    BytesRead, Connection, Decoded, PortOpened, PortUnavailable, PortUsable, Silence,
+)
+from bahrs_driver.transport.port_reader import PortReader
 from hypothesis import given, strategies as st
 import pytest
 
@@ -24,7 +28,7 @@ BUSY = LinkError('port is in use')
 
 
 class ScriptedLink:
-    """A link whose openings and readings are given beforehand; it ends the receiver at the end."""
+    """A link whose openings and readings are given beforehand; the test ends at the end."""
 
     name = 'port'
     byte_time_ns = 1000
@@ -61,78 +65,94 @@ class ScriptedLink:
         self.closed += 1
 
 
-def made(link, diary):
-    """Return a receiver that stamps with arrival."""
-    return Receiver(link, Framer(BahrsFormat()), BahrsCodec(), ArrivalStamps(), diary,
-                    FaultLog(str, str))
+def make_reader(link, clock=None, log=None, **parts):
+    """Return a reader that stamps with arrival."""
+    pipeline = Pipeline(parts.get('framer') or Framer(BahrsFormat()),
+                        parts.get('decoder') or BahrsCodec(), clock or ArrivalStamps())
+    return PortReader(link, parts.get('pipeline') or pipeline, FaultLog(log or str, str))
 
 
 class Diary:
-    """Writes down what it is told."""
+    """Writes the events of a reader down."""
 
     def __init__(self):
         """Begin with nothing."""
         self.entries = []
         self.readings = []
+        self.connections = []
+        self.faults = []
         self.streams = self.ends = 0
+        self._handlers = {
+            PortOpened: self.opened, PortUsable: self.usable, PortUnavailable: self.unavailable,
+            BytesRead: self.read, Silence: self.silence, Decoded: self.decoded}
 
-    def link_opened(self):
-        """Count it."""
+    def take(self, event):
+        """Write an event down."""
+        self._handlers[type(event)](event)
+
+    def opened(self, event):
+        """Count a stream."""
         self.streams += 1
+        self.connections.append(event.connection)
 
-    def link_usable(self):
+    def usable(self, event):
         """Note it."""
+        assert event.connection == self.connections[-1]
         self.entries.append('opened')
 
-    def link_failed(self, reason, known):
+    def unavailable(self, event):
         """Note why."""
         self.ends += 1
-        if not known:
-            self.entries.append(reason)
+        if not event.reported:
+            self.entries.append(event.reason)
 
-    def time_changed(self, sentence):
-        """Note it."""
-        self.entries.append(sentence)
+    def read(self, event):
+        """Keep the reading."""
+        assert event.connection == self.connections[-1]
+        self.readings.append(event.reading)
 
-    def bytes_read(self, reading):
-        """Keep it."""
-        self.readings.append(reading)
-
-    def nothing_read(self):
+    def silence(self, _):
         """Note it."""
         self.entries.append('nothing')
 
-    def received(self, batch):
+    def decoded(self, event):
         """Note the sequence numbers, and keep all of it."""
-        self.entries.append([received.message.sequence for received in batch])
-        self.last = batch
+        self.entries += [item.text for item in event.events if isinstance(item, Notice)]
+        self.faults += [item for item in event.events if isinstance(item, DecodingFault)]
+        self.last = [item for item in event.events
+                     if not isinstance(item, (Notice, DecodingFault))]
+        self.entries.append([item.message.sequence for item in self.last])
 
 
 @contextlib.contextmanager
-def running(receiver):
-    """Let the receiver run in a thread for the length of a block."""
-    thread = threading.Thread(target=receiver.run)
+def running(reader, take):
+    """Let a function take the events in a thread for the length of a block."""
+    def run():
+        for event in reader.events():
+            take(event)
+
+    thread = threading.Thread(target=run)
     thread.start()
     try:
         yield
     finally:
-        receiver.stop()
+        reader.stop()
         thread.join()
 
 
 @pytest.fixture
 def play(monkeypatch):
-    """Give a function that plays a script to its end and returns diary and receiver."""
-    monkeypatch.setattr(receiver_module, 'FIRST_PAUSE', 0.001)
-    monkeypatch.setattr(receiver_module, 'LONGEST_PAUSE', 0.002)
+    """Give a function that plays a script to its end and returns diary and reader."""
+    monkeypatch.setattr(port_reader, 'FIRST_PAUSE', 0.001)
+    monkeypatch.setattr(port_reader, 'LONGEST_PAUSE', 0.002)
 
     def run(*openings):
         link, diary = ScriptedLink(openings), Diary()
-        receiver = made(link, diary)
-        with running(receiver):
+        reader = make_reader(link)
+        with running(reader, diary.take):
             assert link.done.wait(60)
         assert link.closed
-        return diary, receiver
+        return diary, reader
 
     return run
 
@@ -167,10 +187,10 @@ def test_a_frame_cut_in_two_is_stamped_from_its_first_byte(play):
 
 def test_a_lost_port_is_opened_again(play):
     """And what it sends is received."""
-    diary, receiver = play([FRAMES[0]], [FRAMES[1]], [FRAMES[2]])
+    diary, reader = play([FRAMES[0]], [FRAMES[1]], [FRAMES[2]])
     assert diary.entries[:8] == [
         'opened', [0], 'port is gone', 'opened', [1], 'port is gone', 'opened', [2]]
-    assert receiver.counters.times_opened == 3
+    assert reader.counters.times_opened == 3
 
 
 def test_the_same_reason_is_told_once(play):
@@ -181,7 +201,7 @@ def test_the_same_reason_is_told_once(play):
 
 def test_a_port_that_is_gone_need_not_be_told_to_be_missing(play):
     """It is the same thing; another reason is told."""
-    diary, receiver = play([FRAMES[0]], MISSING, MISSING, FORBIDDEN, MISSING, [FRAMES[1]])
+    diary, reader = play([FRAMES[0]], MISSING, MISSING, FORBIDDEN, MISSING, [FRAMES[1]])
     assert diary.entries[:7] == [
         'opened', [0], 'port is gone', 'port may not be opened', 'port does not exist',
         'opened', [1]]
@@ -189,25 +209,25 @@ def test_a_port_that_is_gone_need_not_be_told_to_be_missing(play):
 
 def test_a_port_that_is_lost_at_once_again_and_again_is_told_once(play):
     """Such as a server that hangs up on a second client; until there are frames."""
-    diary, receiver = play(*[[b'Port already in use\r\n']] * 20, [b''], [FRAMES[0]],
-                           [b'Port already in use\r\n'], [FRAMES[1]])
+    diary, reader = play(*[[b'Port already in use\r\n']] * 20, [b''], [FRAMES[0]],
+                         [b'Port already in use\r\n'], [FRAMES[1]])
     assert [entry for entry in diary.entries if entry != 'nothing'][:8] == [
         'opened', 'port is gone', 'opened', [0], 'port is gone', 'opened', 'port is gone',
         'opened']
-    assert receiver.counters.times_opened == 24
+    assert reader.counters.times_opened == 24
     assert diary.streams == 24 and diary.ends >= 24
 
 
 def test_a_port_that_stays_open_is_told_without_frames(play, monkeypatch):
     """After a while, though it was lost at once before."""
-    monkeypatch.setattr(receiver_module, 'STEADY', 0.0)
+    monkeypatch.setattr(port_reader, 'STEADY', 0.0)
     diary, _ = play([b'x'], [b'x'])
     assert diary.entries[:4] == ['opened', 'port is gone', 'opened', 'port is gone']
 
 
 def test_half_a_frame_does_not_spoil_the_next_stream(play):
     """What was begun before the cable was pulled is dropped."""
-    diary, receiver = play([FRAMES[0][:11]], [FRAMES[1]])
+    diary, reader = play([FRAMES[0][:11]], [FRAMES[1]])
     assert diary.entries[:4] == ['opened', 'port is gone', 'opened', [1]]
 
 
@@ -219,12 +239,44 @@ def test_an_intact_frame_behind_half_a_frame_is_not_lost_with_the_cable(play):
     assert diary.entries[:3] == ['opened', [4], 'port is gone']
 
 
+def test_events_name_their_connection(play):
+    """By its number, with the time that a byte takes on its line."""
+    diary, _ = play([FRAMES[0]], BUSY, [FRAMES[1]])
+    assert diary.connections == [Connection(1, 1000), Connection(2, 1000)]
+
+
+def test_the_pipeline_works_under_the_lock():
+    """But no event is yielded while it is held."""
+    lock = threading.Lock()
+    link, locked = ScriptedLink([FRAMES[:2]]), []
+
+    class Watched(Pipeline):
+        def open(self, byte_time_ns=0):     # noqa: A003, as the method of the pipeline
+            locked.append(lock.locked())
+            super().open(byte_time_ns)
+
+        def feed(self, data, instant):
+            locked.append(lock.locked())
+            return super().feed(data, instant)
+
+        def close(self):
+            locked.append(lock.locked())
+            return super().close()
+
+    reader = PortReader(link, Watched(Framer(BahrsFormat()), BahrsCodec()), FaultLog(str, str),
+                        lock)
+    for event in reader.events():
+        assert not lock.locked()
+        if isinstance(event, PortUnavailable):
+            reader.stop()
+    assert locked == [True] * 4
+
+
 def test_counters(play):
-    """Bytes, reads, and why the port is not open."""
-    _, receiver = play([FRAMES[0], FRAMES[1]], BUSY)
-    counters = receiver.counters
+    """Bytes, and why the port is not open."""
+    _, reader = play([FRAMES[0], FRAMES[1]], BUSY)
+    counters = reader.counters
     assert counters.bytes_received == len(FRAMES[0]) + len(FRAMES[1])
-    assert counters.reads == 2
     assert counters.open_since is None
     assert counters.last_data is not None
 
@@ -255,10 +307,9 @@ class Failing:
 METHODS = {
     'link': ('connect', 'read', 'cancel_read', 'close'),
     'framer': ('feed', 'flush'),
-    'codec': ('decode',),
-    'clock': ('begin', 'read', 'stamp', 'end', 'take_notices'),
-    'listener': ('link_opened', 'link_usable', 'link_failed', 'bytes_read', 'nothing_read',
-                 'received', 'time_changed')}
+    'decoder': ('decode',),
+    'clock': ('begin', 'observe_read', 'stamp', 'end', 'take_notices'),
+    'pipeline': ('open', 'feed', 'close')}
 FAULTS = (ValueError('bad'), KeyError(3), OSError(5, 'I/O'), RuntimeError(), TypeError('x'),
           UnicodeDecodeError('utf-8', b'x', 0, 1, 'bad'), MemoryError(), RecursionError(),
           AssertionError(), ZeroDivisionError(), StopIteration(), OverflowError('\x1b[2J'))
@@ -272,27 +323,30 @@ def test_no_fault_anywhere_ends_the_stream(where, turn, error):
     part, method = where
     link = ScriptedLink([FRAMES[:3] + [b''] * 3, FRAMES[3:6], FRAMES[6:8], FRAMES[8:]])
     diary, log = Diary(), []
-    parts = {'link': link, 'framer': Framer(BahrsFormat()), 'codec': BahrsCodec(),
-             'clock': ArrivalStamps(), 'listener': diary}
+    parts = {'link': link, 'framer': Framer(BahrsFormat()), 'decoder': BahrsCodec(),
+             'clock': ArrivalStamps()}
+    parts['pipeline'] = Pipeline(parts['framer'], parts['decoder'], parts['clock'])
     parts[part] = failing = Failing(parts[part], method, turn, error)
-    faults = FaultLog(log.append, str)
+    if part != 'pipeline':
+        del parts['pipeline']
+    reader = make_reader(log=log.append, **parts)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(receiver_module, 'FIRST_PAUSE', 0.0)
-        patch.setattr(receiver_module, 'LONGEST_PAUSE', 0.0)
-        with running(Receiver(**parts, faults=faults)):
+        patch.setattr(port_reader, 'FIRST_PAUSE', 0.0)
+        patch.setattr(port_reader, 'LONGEST_PAUSE', 0.0)
+        with running(reader, diary.take):
             assert link.done.wait(60)
     heard = [entry for entry in diary.entries if isinstance(entry, list)]
     assert heard[-1] == [8]
     assert sum(map(len, heard)) >= len(FRAMES) - 4
-    assert faults.count == len(log) == failing.failed
+    assert len(log) + len(diary.faults) == failing.failed
 
 
 def test_a_frame_that_cannot_be_decoded_costs_no_other(play, monkeypatch):
     """Of the same read."""
     decode = BahrsCodec.decode
 
-    def choosy(self, frame):
-        message = decode(self, frame)
+    def choosy(self, frame, now):
+        message = decode(self, frame, now)
         if message.sequence == 1:
             raise KeyError('unknown')
         return message
@@ -300,32 +354,33 @@ def test_a_frame_that_cannot_be_decoded_costs_no_other(play, monkeypatch):
     monkeypatch.setattr(BahrsCodec, 'decode', choosy)
     diary, _ = play([FRAMES[0] + FRAMES[1] + FRAMES[2]])
     assert diary.entries[:2] == ['opened', [0, 2]]
+    assert [fault.frame.data for fault in diary.faults] == [FRAMES[1]]
 
 
 def test_pauses_grow_and_are_bounded(monkeypatch):
     """From the first to the longest, doubling."""
     pauses = []
     link, diary = ScriptedLink([BUSY] * 7), Diary()
-    receiver = made(link, diary)
+    reader = make_reader(link)
 
     class Watch(threading.Event):
         def wait(self, timeout=None):
             pauses.append(timeout)
             return super().wait(0)
 
-    monkeypatch.setattr(receiver, '_stopping', Watch())
-    with running(receiver):
+    monkeypatch.setattr(reader, '_stopping', Watch())
+    with running(reader, diary.take):
         assert link.done.wait(60)
     assert pauses[:7] == pytest.approx([0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0])
 
 
 def test_stopping_does_not_wait_for_the_pause(monkeypatch):
     """A missing port must not hold up the end."""
-    monkeypatch.setattr(receiver_module, 'FIRST_PAUSE', 3600)
-    monkeypatch.setattr(receiver_module, 'LONGEST_PAUSE', 3600)
-    receiver = made(ScriptedLink([BUSY] * 2), Diary())
-    thread = threading.Thread(target=receiver.run, daemon=True)
+    monkeypatch.setattr(port_reader, 'FIRST_PAUSE', 3600)
+    monkeypatch.setattr(port_reader, 'LONGEST_PAUSE', 3600)
+    reader = make_reader(ScriptedLink([BUSY] * 2))
+    thread = threading.Thread(target=lambda: list(reader.events()), daemon=True)
     thread.start()
-    receiver.stop()
+    reader.stop()
     thread.join(60)
     assert not thread.is_alive()
