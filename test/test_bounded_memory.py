@@ -21,7 +21,7 @@ from bahrs_driver.devices.registry import recognize
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.diagnostics.updater import Updater
-from bahrs_driver.monitor.tally import MOST_ARRIVALS, Tally
+from bahrs_driver.monitor.topic_stats import MAX_ARRIVALS, TopicStats
 from bahrs_driver.pipeline import Notice, Pipeline
 from bahrs_driver.protocol.bahrs.frames import build_frame
 from bahrs_driver.protocol.bahrs.messages import layouts
@@ -198,13 +198,13 @@ def test_every_cache_is_bounded():
 def test_a_tally_of_many_messages_remembers_few(monkeypatch):
     """And has the right rate all the same."""
     now = [0.0]
-    monkeypatch.setattr('bahrs_driver.monitor.tally.time.monotonic', lambda: now[0])
-    tally = Tally()
-    for index in range(4 * MOST_ARRIVALS):
+    monkeypatch.setattr('bahrs_driver.monitor.topic_stats.time.monotonic', lambda: now[0])
+    stats = TopicStats()
+    for index in range(4 * MAX_ARRIVALS):
         now[0] = index / 10_000
-        tally.add(b'')
-    assert len(tally._arrivals) == MOST_ARRIVALS
-    assert tally.rate() == pytest.approx(10_000)
+        stats.add(b'')
+    assert len(stats._arrivals) == MAX_ARRIVALS
+    assert stats.rate() == pytest.approx(10_000)
 
 
 def test_a_recorder_whose_disk_is_slow_keeps_so_much_and_counts_the_rest():

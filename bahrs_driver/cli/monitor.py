@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""`bahrs monitor`: the driver's topics, live."""
+"""`bahrs monitor`: show the topics of the driver, live."""
 
 import argparse
 import contextlib
@@ -13,7 +13,7 @@ from bahrs_driver.cli.node_options import add_node_options, selected_node, sever
 from bahrs_driver.cli.ros import ros_session
 from bahrs_driver.errors import CommandError
 from bahrs_driver.monitor.page import Page
-from bahrs_driver.monitor.tables import no_driver_hint, record, tables
+from bahrs_driver.monitor.tables import no_driver_hint, tables, to_json
 from bahrs_driver.monitor.watch import Watch
 from bahrs_driver.ros.start_errors import start_errors
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -22,11 +22,11 @@ from rich.console import Console
 from rich.live import Live
 
 REFRESH = 0.25              # s
-FIRST_DATA = 5.0            # s by which data should have come
+FIRST_DATA = 5.0            # s after which data should have arrived
 
 _EXAMPLES = """examples:
   bahrs monitor                           a live page, until Ctrl-C
-  bahrs monitor --duration 15             then print what came
+  bahrs monitor --duration 15             then print a table
   bahrs monitor --duration 5 --json       for a script
   bahrs monitor --node /left/bahrs_driver  one of several drivers
 """
@@ -37,21 +37,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         'Show attitude, heading, height, rates, integrity and diagnostics of the driver on a\n'
         'live page, 80x24 characters or more. Roll to the right and pitch upward are positive,\n'
-        'whichever axes are published. At the end, or where the output is no terminal,\n'
-        'the last state is printed as a table.')
-    parser.epilog = (f'{_EXAMPLES}\nexit status: 0, or 1 if no driver was heard (with '
+        'whichever axes are published. At the end, or if the output is not a terminal, the last\n'
+        'state is printed as a table.')
+    parser.epilog = (f'{_EXAMPLES}\nexit status: 0, or 1 if no driver was found (with '
                      '--require-data: no data)\n')
     parser.add_argument('--duration', type=float, metavar='SECONDS',
                         help='end after this time (default: at Ctrl-C)')
     add_node_options(parser)
     parser.add_argument('--require-data', action='store_true',
-                        help='end with status 1 and the reason if no data came')
+                        help='exit with status 1 and the reason if no data arrives')
     parser.add_argument('--json', action='store_true',
-                        help='no page: print the last state as one JSON object')
+                        help='print the last state as one JSON object, without a page')
 
 
 def run(options: argparse.Namespace) -> int:
-    """Watch until the time is up or Ctrl-C; 1 if no driver was heard."""
+    """Watch until the duration is over or Ctrl-C; 1 if no driver was found."""
     selection = selected_node(options)
     console = Console()
     begin = time.monotonic()
@@ -63,15 +63,15 @@ def run(options: argparse.Namespace) -> int:
             if console.is_terminal and not options.json:
                 _show(watch, console, end)
             else:
-                _listen(watch, end)
+                _watch(watch, end)
     if options.json:
-        print(json.dumps(record(watch)))
+        print(json.dumps(to_json(watch)))
     else:
         console.print(tables(watch))
-    listened = time.monotonic() >= min(end, begin + FIRST_DATA)     # or ended by an early Ctrl-C
-    if options.require_data and listened and not watch.data_heard:
-        raise CommandError(f'no data came: {_why_no_data(watch)}')
-    return 0 if watch.heard else 1
+    listened = time.monotonic() >= min(end, begin + FIRST_DATA)     # not with an early Ctrl-C
+    if options.require_data and listened and not watch.data_received:
+        raise CommandError(f'no data arrived: {_why_no_data(watch)}')
+    return 0 if watch.driver_seen else 1
 
 
 def _why_no_data(watch: Watch) -> str:
@@ -79,7 +79,7 @@ def _why_no_data(watch: Watch) -> str:
                 if status.level == DiagnosticStatus.ERROR]
     if problems:
         return problems[0]
-    return 'the driver was heard, and reports no error' if watch.heard else no_driver_hint(watch)
+    return 'the driver runs and reports no error' if watch.driver_seen else no_driver_hint(watch)
 
 
 def _show(watch: Watch, console: Console, end: float) -> None:
@@ -89,7 +89,7 @@ def _show(watch: Watch, console: Console, end: float) -> None:
             live.refresh()
 
 
-def _listen(watch: Watch, end: float) -> None:
+def _watch(watch: Watch, end: float) -> None:
     while time.monotonic() < end:
         _spin(watch, end)
 

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What /diagnostics says about one driver, of all that publish there.
+Keep the diagnostics of one driver, of all that are published.
 
-A status comes from anybody, and says anything. Here it is made safe: texts are printable and not
-long, tasks and values are not many.
+Any node may publish any status. So texts are made printable and cut, and the numbers of tasks and
+values are limited.
 """
 
 from collections import deque
@@ -21,71 +21,71 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 # Tasks of every driver: a node of another name that has all of them is a driver.
 COMMON_TASKS = frozenset(('Framing', 'Time', 'Rates', 'Publishing'))
-EVENTS = 50
-MOST_TASKS = 16
-MOST_VALUES = 64
-LONGEST_NAME = 60           # characters
+MAX_EVENTS = 50
+MAX_TASKS = 16
+MAX_VALUES = 64
+MAX_NAME_LENGTH = 60           # characters
 
 
-class Status(NamedTuple):
-    """One task, in texts that may be shown."""
+class ShownStatus(NamedTuple):
+    """The status of one task in printable texts."""
 
     level: bytes
     message: str
     values: Mapping[str, str]
 
 
-class Health:
-    """Keeps the statuses of the driver that is chosen."""
+class DriverHealth:
+    """Keeps the statuses of the chosen driver; offers the choice all drivers that report."""
 
     def __init__(self, choice: NodeChoice) -> None:
         self.choice = choice
-        self.tasks: dict[str, Status] = {}
-        self.events: deque[tuple[float, str, Status]] = deque(maxlen=EVENTS)
-        self.shared_name = False            # two drivers go by the name that was chosen
-        self._heard_at = -math.inf
+        self.tasks: dict[str, ShownStatus] = {}
+        self.events: deque[tuple[float, str, ShownStatus]] = deque(maxlen=MAX_EVENTS)
+        self.shared_name = False            # two drivers have the chosen name
+        self._updated_at = -math.inf
         self._hardware_ids: list[str] = []  # the latest last
 
     @property
     def age(self) -> float:
         """Seconds since the latest status; infinite if there was none."""
-        return time.monotonic() - self._heard_at
+        return time.monotonic() - self._updated_at
 
     def update(self, array: DiagnosticArray) -> None:
-        """Keep what a message says about the driver."""
+        """Keep the statuses of the driver in a message."""
         nodes: dict[str, dict[str, DiagnosticStatus]] = {}
         for status in array.status:
             node, task = parse_status_name(status.name)
             if node:
                 nodes.setdefault(node, {})[task] = status
         now = time.monotonic()
-        self.choice.offer((node for node, tasks in nodes.items() if _of_driver(node, tasks)), now)
-        for task, status in islice(nodes.get(self.choice.chosen, {}).items(), MOST_TASKS):
-            self._heard_at = now
-            self._note(printable(task, LONGEST_NAME), status)
+        self.choice.offer((node for node, tasks in nodes.items() if _is_driver(node, tasks)), now)
+        for task, status in islice(nodes.get(self.choice.chosen, {}).items(), MAX_TASKS):
+            self._updated_at = now
+            self._keep(printable(task, MAX_NAME_LENGTH), status)
 
-    def _note(self, task: str, status: DiagnosticStatus) -> None:
-        self._look_at_hardware(printable(status.hardware_id))
-        if task not in self.tasks and len(self.tasks) >= MOST_TASKS:
+    def _keep(self, task: str, status: DiagnosticStatus) -> None:
+        self._check_hardware(printable(status.hardware_id))
+        if task not in self.tasks and len(self.tasks) >= MAX_TASKS:
             return
         before, shown = self.tasks.get(task), _shown(status)
         if before is not None and before.level != shown.level:
             self.events.appendleft((time.time(), task, shown))
         self.tasks[task] = shown
 
-    def _look_at_hardware(self, hardware_id: str) -> None:
-        # A driver keeps it; one that was started again may have another, but not the old one.
+    def _check_hardware(self, hardware_id: str) -> None:
+        # A driver keeps its id; one that was restarted may have another, but not the old one.
         if hardware_id not in self._hardware_ids:
             self._hardware_ids = [*self._hardware_ids[-1:], hardware_id]
         elif hardware_id != self._hardware_ids[-1]:
             self.shared_name = True
 
 
-def _of_driver(node: str, tasks: Mapping[str, DiagnosticStatus]) -> bool:
+def _is_driver(node: str, tasks: Mapping[str, DiagnosticStatus]) -> bool:
     return split_name(node)[0] == USUAL_NAME or tasks.keys() >= COMMON_TASKS
 
 
-def _shown(status: DiagnosticStatus) -> Status:
-    return Status(status.level, printable(status.message), {
-        printable(item.key, LONGEST_NAME): printable(item.value)
-        for item in islice(status.values, MOST_VALUES)})
+def _shown(status: DiagnosticStatus) -> ShownStatus:
+    return ShownStatus(status.level, printable(status.message), {
+        printable(item.key, MAX_NAME_LENGTH): printable(item.value)
+        for item in islice(status.values, MAX_VALUES)})

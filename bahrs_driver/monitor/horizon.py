@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-An artificial horizon made of characters.
+Draw an artificial horizon with characters.
 
 Each character cell is two pixels, one above the other, which are about square. Sky and ground
-differ in the character, too, so that the picture can be read without colours.
+also differ in the character: the picture can be read without colours.
 """
 
 from collections.abc import Iterator
@@ -42,14 +42,14 @@ def horizon(roll: float, pitch: float, width: int, height: int) -> Text:
 
 
 def no_horizon(width: int, height: int, why: str) -> Text:
-    """Return an empty picture that says why there is no attitude."""
+    """Return an empty picture with the reason for the missing attitude."""
     lines = [' ' * width] * height
     lines[height // 2] = why[:width].center(width)
     return Text('\n'.join(lines), style=_UNKNOWN)
 
 
 def heading_tape(heading: float, width: int) -> Text:
-    """Return the points of the compass around a heading in degrees, which is in the middle."""
+    """Return the points of the compass around a heading in degrees, shown in the middle."""
     per_cell, tape = 4.0, [' '] * width
     for azimuth in range(0, 360, 10):
         away = (azimuth - heading + 180.0) % 360.0 - 180.0

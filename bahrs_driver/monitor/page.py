@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The live page of a terminal: 80 x 24 characters are enough, and more are made use of."""
+"""Draw the live page of a terminal, for 80 x 24 characters or more."""
 
 from itertools import groupby, islice
 import math
@@ -20,20 +20,21 @@ from rich.layout import Layout
 from rich.table import Table
 from rich.text import Text
 
-SMALLEST = 60, 16           # characters; less is told to be too small
+MIN_SIZE = 60, 16           # characters
 _MARKS = {DiagnosticStatus.OK: '✓', DiagnosticStatus.WARN: '!', DiagnosticStatus.ERROR: '✗',
           DiagnosticStatus.STALE: '?'}
-MOST_TASKS = 8              # that fit a page
-MOST_SIGNALS = 64
-MOST_INTEGRITY_LINES = 4
-LONGEST_SIGNAL = 24         # characters
+MAX_TASKS = 8              # that fit a page
+MAX_SIGNALS = 64
+MAX_INTEGRITY_LINES = 4
+MAX_SIGNAL_LENGTH = 24         # characters
 _GAP = '   '
+_GOOD = 'green'             # style of a driver without a problem
 _COMPONENTS = ('_x', '_y', '_z')
 _ASCII = str.maketrans('✓✗░▄▀─·━╋ω°µ', '+x#_"--=+w*u')
 
 
 class Page:
-    """Draws what a watch has heard, to the size that there is."""
+    """Draws the state of a watch, in the size of the terminal."""
 
     def __init__(self, watch: Watch) -> None:
         self._watch = watch
@@ -41,9 +42,9 @@ class Page:
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """Yield the page."""
         width, height = console.size
-        if width < SMALLEST[0] or height < SMALLEST[1]:
+        if width < MIN_SIZE[0] or height < MIN_SIZE[1]:
             yield Text(f'This terminal has {width}x{height} characters: make it '
-                       f'{SMALLEST[0]}x{SMALLEST[1]} or more, 80x24 is good', 'yellow')
+                       f'{MIN_SIZE[0]}x{MIN_SIZE[1]} or more, 80x24 is good', 'yellow')
             return
         for segment in console.render(self._layout(width, height), options):
             yield segment._replace(text=segment.text.translate(_ASCII)) \
@@ -71,7 +72,7 @@ class Page:
     def _title(self, width: int) -> Text:
         word, style, sentence = self._state()
         title = Text(f' {word} ', f'bold reverse {style}')
-        title.append(f' {sentence}', style if word != 'LIVE' else '')
+        title.append(f' {sentence}', '' if style == _GOOD else style)
         clock = time.strftime('%H:%M:%S UTC', time.gmtime())
         title.truncate(width - len(clock) - 1, overflow='ellipsis', pad=True)
         return title.append(f' {clock}', 'bold')
@@ -79,20 +80,20 @@ class Page:
     def _state(self) -> tuple[str, str, str]:
         """Return the overall state as a word, a colour and a sentence."""
         watch = self._watch
-        if not watch.heard:
+        if not watch.driver_seen:
             return 'NO DRIVER', 'red', no_driver_hint(watch)
         if watch.health.age > DRIVER_TIMEOUT and watch.data_age > DATA_TIMEOUT:
             return 'DRIVER GONE', 'red', \
-                f'nothing heard for {_seconds(watch)}: {no_driver_hint(watch)}'
+                f'nothing received for {_seconds(watch)}: {no_driver_hint(watch)}'
         if watch.health.shared_name:
             return 'TWO DRIVERS', 'red', shared_name_hint(watch)
         if watch.data_age > DATA_TIMEOUT:
             return 'NO DATA', 'red', self._why_no_data()
         if watch.health.age > DRIVER_TIMEOUT:
-            return 'LIVE', 'green', 'no diagnostics are heard'
+            return 'LIVE', _GOOD, 'no diagnostics are received'
         worst = max(watch.health.tasks.values(), key=lambda status: status.level)
         if worst.level == DiagnosticStatus.OK:
-            return 'LIVE', 'green', self._device()
+            return 'LIVE', _GOOD, self._device()
         return *level_word(worst.level), worst.message
 
     def _why_no_data(self) -> str:
@@ -107,7 +108,7 @@ class Page:
         tasks, driver = self._watch.health.tasks, self._watch.driver
         link, device = tasks.get('Link'), tasks.get('Device')
         values = link.values if link else {}
-        version = device.message if device and ':' not in device.message else ''
+        version = device.values.get('Software version', '') if device else ''
         return ', '.join(filter(None, (
             driver if driver != full_name(USUAL_NAME, ROOT) else '',
             f"{values.get('Port', '')} at {values.get('Baud rate', '')} baud" if link else '',
@@ -118,7 +119,7 @@ class Page:
     def _attitude(self, width: int, height: int) -> Text:
         """Return heading tape, horizon and the figures of flight."""
         watch, angles = self._watch, self._watch.attitude()
-        heading = watch.fresh('heading')
+        heading = watch.recent_message('heading')
         known = heading is not None and math.isfinite(heading.data)
         tape = heading_tape(heading.data, width) if known else \
             Text('no heading'.center(width), 'red')
@@ -134,13 +135,13 @@ class Page:
 
     def _height(self) -> str:
         for topic in ('pressure_altitude', 'fix'):
-            message = self._watch.fresh(topic)
+            message = self._watch.recent_message(topic)
             if message is not None:
                 return number(message.altitude, '.1f', ' m')
         return '-'
 
     def _climb(self) -> str:
-        message = self._watch.fresh('velocity')
+        message = self._watch.recent_message('velocity')
         if message is None:
             return '-'
         z = message.twist.twist.linear.z
@@ -151,11 +152,11 @@ class Page:
         table.add_column('Topic', no_wrap=True)
         table.add_column('Hz', no_wrap=True, justify='right', width=6)
         table.add_column('Latest (SI)', no_wrap=True, ratio=1)
-        for name, tally in self._watch.tallies.items():
-            if self._watch.offered(name) or not self._watch.heard:
-                rate = tally.rate()
-                style = '' if rate or tally.age < DATA_TIMEOUT else 'dim'
-                table.add_row(name, f'{rate:.1f}' if tally.count else '-',
+        for name, stats in self._watch.stats.items():
+            if self._watch.is_published(name) or not self._watch.driver_seen:
+                rate = stats.rate()
+                style = '' if rate or stats.age < DATA_TIMEOUT else 'dim'
+                table.add_row(name, f'{rate:.1f}' if stats.count else '-',
                               Text(self._watch.text(name), overflow='ellipsis'), style=style)
         return table
 
@@ -163,20 +164,20 @@ class Page:
         """Return the lines with the integrity of each signal."""
         notice = self._watch.message('integrity')
         if notice is None:
-            without = self._watch.heard and not self._watch.offered('integrity')
-            return [Text('this device reports no integrity' if without else 'no integrity heard',
-                         'dim')]
+            without = self._watch.driver_seen and not self._watch.is_published('integrity')
+            text = 'this device reports no integrity' if without else 'no integrity received'
+            return [Text(text, 'dim')]
         stale = self._watch.data_age > DATA_TIMEOUT
         lines = [Text()]
-        signals = islice(notice.status, MOST_SIGNALS)
+        signals = islice(notice.status, MAX_SIGNALS)
         for name, group in groupby(signals, key=lambda status: _quantity(status.name)):
-            cell = Text(printable(name, LONGEST_SIGNAL), 'dim' if stale else '')
+            cell = Text(printable(name, MAX_SIGNAL_LENGTH), 'dim' if stale else '')
             for status in group:
                 suffix = status.name[-1] if status.name.endswith(_COMPONENTS) else ''
                 style = 'dim' if stale else level_word(status.level)[1]
                 cell.append(f" {suffix}{_MARKS.get(status.level, '?')}", f'bold {style}')
             if len(lines[-1]) + len(cell) + len(_GAP) > width:
-                if len(lines) == MOST_INTEGRITY_LINES:
+                if len(lines) == MAX_INTEGRITY_LINES:
                     break
                 lines.append(Text())
             lines[-1].append_text(Text(_GAP) + cell if lines[-1] else cell)
@@ -188,23 +189,23 @@ class Page:
         table.add_column(no_wrap=True, width=5)
         table.add_column(no_wrap=True, ratio=1, overflow='ellipsis')
         gone = self._watch.health.age > DRIVER_TIMEOUT
-        for task, status in islice(self._watch.health.tasks.items(), MOST_TASKS):
+        for task, status in islice(self._watch.health.tasks.items(), MAX_TASKS):
             word, colour = level_word(status.level)
             table.add_row(Text(task), Text(word, '' if gone else colour), Text(status.message),
                           style='dim' if gone else '')
         if not self._watch.health.tasks:
-            table.add_row('no driver', '', 'no diagnostics heard yet')
+            table.add_row('no driver', '', 'no diagnostics received yet')
         return table
 
     def _events(self) -> Text:
-        """Return what changed lately, the latest first."""
+        """Return the latest changes of level, the latest first."""
         lines = [Text(time.strftime('%H:%M:%S ', time.gmtime(moment)), 'dim')
                  + Text(f'{task} ') + Text(*level_word(status.level))
                  + Text(f' {status.message}', 'dim')
                  for moment, task, status in self._watch.health.events]
         if lines:
             lines.insert(0, Text('Changes of level, the latest first', 'dim underline'))
-        # A layout takes an empty text for none, and draws a box that says so.
+        # A layout draws a placeholder box for an empty text.
         return Text('\n', no_wrap=True, overflow='ellipsis').join([Text(' '), *lines])
 
 
@@ -229,4 +230,4 @@ def _quantity(signal: str) -> str:
 
 def _seconds(watch: Watch) -> str:
     age = min(watch.data_age, watch.health.age)
-    return f'{age:.0f} s' if math.isfinite(age) else 'as long as this listens'
+    return f'{age:.0f} s' if math.isfinite(age) else 'as long as this monitor runs'

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What the messages of each topic say, in words and as numbers.
+Format the messages of each topic for people.
 
-Whatever a message holds, nothing here raises: numbers may be NaN, infinite or huge, and lists
-empty or endless.
+Nothing here raises, whatever a message holds: numbers may be NaN, infinite or huge, and lists
+empty or very long.
 """
 
 from collections.abc import Callable
@@ -13,16 +13,20 @@ import math
 from typing import Any, NamedTuple
 
 from bahrs_driver.convert.covariance import UNKNOWN_VARIANCE
-from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import TwistWithCovarianceStamped, Vector3
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import Imu, NavSatFix, TimeReference
+from std_msgs.msg import Float64
 
-LONGEST_FIXED = 1e7         # a number of at least this size is shown with an exponent
-LEAST_NORM, MOST_NORM = 0.9, 1.1        # of a quaternion that is an orientation
-MOST_SIGNALS = 32           # that a text names
+EXPONENT_LIMIT = 1e7        # from which on a number is shown with an exponent
+MIN_NORM, MAX_NORM = 0.9, 1.1           # of a quaternion that is an orientation
+MAX_SIGNALS = 32            # named in a text
 _UNKNOWN = 0.99 * UNKNOWN_VARIANCE
 
 
 class Attitude(NamedTuple):
-    """Roll to the right, pitch upward and yaw in degrees, as the published frames have them."""
+    """Roll to the right, pitch upward and yaw in degrees, in the published frames."""
 
     roll: float
     pitch: float
@@ -30,19 +34,19 @@ class Attitude(NamedTuple):
 
 
 def number(value: float, style: str = '.1f', unit: str = '') -> str:
-    """Return a number as text with its unit; a dash if it is none."""
+    """Return a number as text with its unit; a dash if it is not finite."""
     if not math.isfinite(value):
         return '-'
-    if abs(value) >= LONGEST_FIXED:
+    if abs(value) >= EXPONENT_LIMIT:
         style = f"{'+' if style.startswith('+') else ''}.3g"
     return format(value, style) + unit
 
 
-def attitude(imu: Any) -> Attitude | None:
+def attitude(imu: Imu) -> Attitude | None:
     """Return the attitude in an Imu message; None if it is not reported."""
     q, variances = imu.orientation, imu.orientation_covariance
     norm = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z
-    if variances[0] < 0 or not LEAST_NORM < norm < MOST_NORM:
+    if variances[0] < 0 or not MIN_NORM < norm < MAX_NORM:
         return None
     yaw = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
     return Attitude(
@@ -52,18 +56,18 @@ def attitude(imu: Any) -> Attitude | None:
 
 
 def attitude_text(angles: Attitude | None) -> str:
-    """Return an attitude in words."""
+    """Return an attitude as text."""
     if angles is None:
         return 'no orientation'
     return ' '.join(f'{name} {number(value, "+.2f", "°")}'
                     for name, value in angles._asdict().items())
 
 
-def vertical_force(imu: Any) -> float:
+def vertical_force(imu: Imu) -> float:
     """
     Return the specific force along z of the published world frame, in m/s^2; NaN if unknown.
 
-    It holds the aircraft up: its mean is +9.8 where the world's z axis is up, -9.8 where down.
+    It supports the aircraft: its mean is +9.8 if the world's z axis points up, -9.8 if down.
     """
     q, force = imu.orientation, imu.linear_acceleration
     if imu.orientation_covariance[0] < 0 or imu.linear_acceleration_covariance[0] < 0:
@@ -72,45 +76,45 @@ def vertical_force(imu: Any) -> float:
                  + (1 - 2 * (q.x * q.x + q.y * q.y)) * force.z)
 
 
-def _force_and_rate(imu: Any) -> str:
+def _force_and_rate(imu: Imu) -> str:
     return f'f {_xyz(imu.linear_acceleration, 2)}  ω {_xyz(imu.angular_velocity, 3)}'
 
 
-def _xyz(vector: Any, digits: int, factor: float = 1.0) -> str:
+def _xyz(vector: Vector3, digits: int, factor: float = 1.0) -> str:
     return ' '.join(number(value * factor, f'+.{digits}f')
                     for value in (vector.x, vector.y, vector.z))
 
 
-def _integrity(notice: Any) -> str:
-    troubled = (f'{status.name} {status.message}' for status in notice.status
-                if status.level != DiagnosticStatus.OK)
-    return ', '.join(islice(troubled, MOST_SIGNALS)) or 'all signals safe'
+def _integrity(notice: DiagnosticArray) -> str:
+    unsafe = (f'{status.name} {status.message}' for status in notice.status
+              if status.level != DiagnosticStatus.OK)
+    return ', '.join(islice(unsafe, MAX_SIGNALS)) or 'all signals safe'
 
 
-def _heading(message: Any) -> str:
+def _heading(message: Float64) -> str:
     return 'unavailable' if math.isnan(message.data) else number(message.data, '.1f', '°')
 
 
-def _velocity(message: Any) -> str:
+def _velocity(message: TwistWithCovarianceStamped) -> str:
     velocity = message.twist.twist.linear
-    across = message.twist.covariance[0] < UNKNOWN_VARIANCE     # or only upward is measured
+    across = message.twist.covariance[0] < UNKNOWN_VARIANCE     # else only z is measured
     return (f"x {number(velocity.x, '+.2f')} y {number(velocity.y, '+.2f')} " if across else '') \
         + f"z {number(velocity.z, '+.2f')} m/s"
 
 
-def _position(fix: Any) -> str:
+def _position(fix: NavSatFix) -> str:
     if fix.status.status < 0:
         return 'no fix'
     return ' '.join((number(fix.latitude, '+.7f', '°'), number(fix.longitude, '+.7f', '°'),
                      number(fix.altitude, '.1f', ' m')))
 
 
-def _odometry(message: Any) -> str:
+def _odometry(message: Odometry) -> str:
     position = message.pose.pose.position
     return ' '.join(f"{axis} {number(getattr(position, axis), '+.1f')}" for axis in 'xyz') + ' m'
 
 
-def _device_time(reference: Any) -> str:
+def _device_time(reference: TimeReference) -> str:
     time = reference.time_ref
     clock = 'GPS' if reference.source == 'gps' else 'device'
     return f'{clock} time {time.sec + time.nanosec * 1e-9:.3f} s'

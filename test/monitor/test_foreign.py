@@ -8,7 +8,7 @@ import re
 
 from bahrs_driver.devices.registry import all_topics
 from bahrs_driver.monitor.page import Page
-from bahrs_driver.monitor.tables import record, tables
+from bahrs_driver.monitor.tables import tables, to_json
 from bahrs_driver.monitor.watch import DIAGNOSTICS, Watch
 from bahrs_driver.ros.node_names import Selection
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -104,7 +104,7 @@ def survives(watch):
     for size in ((60, 16), (200, 60)):
         assert is_harmless(shown(watch, Page(watch), size))
     assert is_harmless(shown(watch, tables(watch), (80, 24)))
-    assert json.loads(json.dumps(record(watch), allow_nan=False))['heard']
+    assert json.loads(json.dumps(to_json(watch), allow_nan=False))['heard']
 
 
 @pytest.mark.parametrize('topic', TOPICS)
@@ -122,7 +122,7 @@ def test_any_diagnostics(watch, arrays):
     """Of this driver and of others."""
     watch._count('heading', serialize_message(TOPICS['heading']()))
     for array in arrays:
-        watch._diagnose(serialize_message(array))
+        watch._update_health(serialize_message(array))
     survives(watch)
     assert len(watch.health.tasks) <= 16
 
@@ -134,7 +134,7 @@ def test_bytes_that_are_no_message(watch, topic, data):
     """As from a publisher whose type has only the same name."""
     watch._count('heading', serialize_message(TOPICS['heading']()))
     if topic == DIAGNOSTICS:
-        watch._diagnose(data)
+        watch._update_health(data)
     else:
         watch._count(topic, data)
     survives(watch)
@@ -145,17 +145,17 @@ def test_an_enormous_list(watch):
     array = DiagnosticArray(status=[
         DiagnosticStatus(name=f'bahrs_driver: {index}', message='x' * 1000)
         for index in range(5000)])
-    watch._diagnose(serialize_message(array))
+    watch._update_health(serialize_message(array))
     watch._count('integrity', serialize_message(array))
     survives(watch)
-    assert len(json.dumps(record(watch))) < 100_000
+    assert len(json.dumps(to_json(watch))) < 100_000
 
 
 @pytest.mark.parametrize('text, as_shown', [
     ('\x1bc 2.7', r'\x1bc 2.7'), ('[bold]x[/]', '[bold]x[/]'), ('[/nothing]', '[/nothing]')])
 def test_text_is_shown_as_it_is(watch, text, as_shown):
     """Neither as a command to the terminal, nor as markup."""
-    watch._diagnose(serialize_message(DiagnosticArray(status=[
+    watch._update_health(serialize_message(DiagnosticArray(status=[
         DiagnosticStatus(name=f'bahrs_driver: {text}', message=text)])))
     assert shown(watch, tables(watch), (80, 24)).count(as_shown) == 2
     watch._count('heading', serialize_message(TOPICS['heading']()))

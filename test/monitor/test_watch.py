@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of what the monitor keeps."""
 
-from bahrs_driver.monitor import tally, watch
+from bahrs_driver.monitor import topic_stats, watch
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 import pytest
 import rclpy
@@ -26,23 +26,23 @@ def node():
 def test_hours_without_a_look_take_no_memory(monkeypatch):
     """Only arrivals of the window are kept, though nobody asks for the rate."""
     now = [0.0]
-    monkeypatch.setattr(tally.time, 'monotonic', lambda: now[0])
-    tallied = tally.Tally()
+    monkeypatch.setattr(topic_stats.time, 'monotonic', lambda: now[0])
+    stats = topic_stats.TopicStats()
     for _ in range(10_000):
         now[0] += 0.01
-        tallied.add(b'message')
-    assert len(tallied._arrivals) <= tally.RATE_WINDOW / 0.01 + 1
-    assert tallied.count == 10_000
-    assert abs(tallied.rate() - 100.0) < 1e-6
+        stats.add(b'message')
+    assert len(stats._arrivals) <= topic_stats.RATE_WINDOW / 0.01 + 1
+    assert stats.count == 10_000
+    assert abs(stats.rate() - 100.0) < 1e-6
 
 
 def test_two_messages_at_once_have_no_rate(monkeypatch):
     """Rather than an infinite one."""
-    monkeypatch.setattr(tally.time, 'monotonic', lambda: 1.0)
-    tallied = tally.Tally()
-    tallied.add(b'')
-    tallied.add(b'')
-    assert tallied.rate() == 0.0
+    monkeypatch.setattr(topic_stats.time, 'monotonic', lambda: 1.0)
+    stats = topic_stats.TopicStats()
+    stats.add(b'')
+    stats.add(b'')
+    assert stats.rate() == 0.0
 
 
 def test_a_busy_host_serves_every_topic(node):
@@ -57,5 +57,5 @@ def test_a_busy_host_serves_every_topic(node):
     for publisher, message in publishers:
         for _ in range(BACKLOG):
             publisher.publish(message)
-    assert wait_for(lambda: look.spin(0.001) or look.tallies['imu/data_raw'].count >= BACKLOG / 2)
-    assert look.tallies['heading'].count > BACKLOG / 5 and look.health.tasks
+    assert wait_for(lambda: look.spin(0.001) or look.stats['imu/data_raw'].count >= BACKLOG / 2)
+    assert look.stats['heading'].count > BACKLOG / 5 and look.health.tasks

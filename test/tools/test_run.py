@@ -27,9 +27,9 @@ def ran(*words):
 
 
 @pytest.mark.parametrize(('words', 'status', 'sentence'), [
-    (('--port', '/dev/nowhere', '--duration', '2'), 1, 'bahrs monitor: no data came: '),
-    (('--port', '/dev/null', '--duration', '2'), 1, 'bahrs monitor: no data came: '),
-    (('--duration', '0'), 1, 'bahrs monitor: no data came: '),
+    (('--port', '/dev/nowhere', '--duration', '2'), 1, 'bahrs monitor: no data arrived: '),
+    (('--port', '/dev/null', '--duration', '2'), 1, 'bahrs monitor: no data arrived: '),
+    (('--duration', '0'), 1, 'bahrs monitor: no data arrived: '),
     (('--sensor', 'nothing'), 2, "argument --sensor: invalid choice: 'nothing'"),
     (('--duration', 'long'), 2, "argument --duration: invalid float value: 'long'"),
     (('--port', 'foo://bar'), 1, 'parameter port'),

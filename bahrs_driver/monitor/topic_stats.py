@@ -1,29 +1,29 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What came on one topic: how many messages, how often, and the latest."""
+"""Statistics of the messages on one topic."""
 
 from collections import deque
 import math
 import time
 
 RATE_WINDOW = 2.0           # s over which a rate is measured
-MOST_ARRIVALS = 4096        # that are remembered; a rate above 2 kHz is measured over less
+MAX_ARRIVALS = 4096         # kept arrival times; a rate above 2 kHz is measured over less
 
 
-class Tally:
-    """What came on one topic."""
+class TopicStats:
+    """Count, rate and latest message of one topic."""
 
     def __init__(self) -> None:
         self.count = 0
-        self.data = b''             # the latest message, serialised
-        self._arrivals: deque[float] = deque(maxlen=MOST_ARRIVALS)
+        self.data = b''             # the latest message, serialized
+        self._arrivals: deque[float] = deque(maxlen=MAX_ARRIVALS)
 
     def add(self, data: bytes) -> None:
         """Count a message and keep it."""
         self.count += 1
         self.data = data
         self._arrivals.append(time.monotonic())
-        self._forget(self._arrivals[-1])
+        self._drop_old(self._arrivals[-1])
 
     @property
     def age(self) -> float:
@@ -32,11 +32,11 @@ class Tally:
 
     def rate(self) -> float:
         """Return messages per second over the last RATE_WINDOW."""
-        self._forget(time.monotonic())
+        self._drop_old(time.monotonic())
         if len(self._arrivals) < 2 or self._arrivals[-1] == self._arrivals[0]:
             return 0.0
         return (len(self._arrivals) - 1) / (self._arrivals[-1] - self._arrivals[0])
 
-    def _forget(self, now: float) -> None:
+    def _drop_old(self, now: float) -> None:
         while self._arrivals and now - self._arrivals[0] > RATE_WINDOW:
             self._arrivals.popleft()
