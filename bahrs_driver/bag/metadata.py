@@ -5,7 +5,6 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from bahrs_driver.bag.topics import definition, Topic
 from bahrs_driver.files.atomic_file import write_atomic
@@ -27,12 +26,12 @@ class Span:
     counts: dict[str, int] = field(default_factory=dict)    # by topic
 
     def add(self, topic: str, time: int) -> None:
-        """Take note of a message."""
+        """Count a message."""
         self.count += 1
         self.first, self.last = min(self.first, time), max(self.last, time)
         self.counts[topic] = self.counts.get(topic, 0) + 1
 
-    def times(self) -> dict[str, Any]:
+    def times(self) -> dict[str, dict[str, int]]:
         """Return start and duration as rosbag2 writes them."""
         return {'starting_time': {'nanoseconds_since_epoch': self.first},
                 'duration': {'nanoseconds': max(0, self.last - self.first)}}
@@ -44,13 +43,13 @@ def write_metadata(folder: Path, topics: Iterable[Topic], files: list[Span]) -> 
     write_atomic(folder / NAME, text.encode(), replace=True)
 
 
-def as_yaml(data: Any) -> str:
-    """Return plain values as YAML."""
+def as_yaml(data: object) -> str:
+    """Return YAML without references."""
     text: str = yaml.dump(data, Dumper=_Dumper, sort_keys=False)
     return text
 
 
-def information(topics: Iterable[Topic], files: list[Span]) -> Mapping[str, Any]:
+def information(topics: Iterable[Topic], files: list[Span]) -> Mapping[str, object]:
     """Return what metadata.yaml says of a bag."""
     whole = Span('', sum(file.count for file in files), min(file.first for file in files),
                  max(file.last for file in files))
@@ -74,6 +73,6 @@ def information(topics: Iterable[Topic], files: list[Span]) -> Mapping[str, Any]
 class _Dumper(getattr(yaml, 'CSafeDumper', yaml.SafeDumper)):  # type: ignore[misc]
     """Writes all out, without the references that rosbag2's reader need not understand."""
 
-    def ignore_aliases(self, data: Any) -> bool:
+    def ignore_aliases(self, _data: object) -> bool:
         """Return that nothing is referred to."""
         return True

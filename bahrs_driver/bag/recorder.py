@@ -13,7 +13,6 @@ from collections.abc import Callable
 from importlib import import_module
 import threading
 import time
-from typing import Any
 
 from bahrs_driver.bag.arrival_clock import ArrivalLogClock
 from bahrs_driver.bag.message_queue import Taken, TakenQueue
@@ -28,6 +27,7 @@ from bahrs_driver.ros.node_names import NodeChoice, Selection, split_name
 from bahrs_driver.units import NS_PER_S
 import rclpy
 from rclpy.clock import Clock, ClockType
+from rclpy.duration import Duration
 from rclpy.qos import (
     DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy,
 )
@@ -180,10 +180,10 @@ class Recorder:
             kind, name, self._taker(name, is_raw),  # type: ignore[arg-type]
             wanted, raw=True)
 
-    def _taker(self, name: str, is_raw: bool) -> Callable[[bytes, dict[str, Any]], None]:
+    def _taker(self, name: str, is_raw: bool) -> Callable[[bytes, dict[str, int]], None]:
         count = self._counts[name] = SequenceCount(lambda: self._node.count_publishers(name) > 1)
 
-        def take(data: bytes, info: dict[str, Any]) -> None:
+        def take(data: bytes, info: dict[str, int]) -> None:
             now, received = self._clock.now(), info['received_timestamp']
             log_time = self._clock.log_time(now, _read_time(data) if is_raw else None, received)
             sequence = info.get('publication_sequence_number')
@@ -206,7 +206,7 @@ def _read_time(data: bytes) -> int | None:
 
 
 def _profile(qos: QoSProfile) -> Qos:
-    def duration(value: Any) -> Qos:
+    def duration(value: Duration) -> Qos:
         seconds, nanoseconds = divmod(value.nanoseconds, NS_PER_S)
         return {'sec': seconds, 'nsec': nanoseconds}
 

@@ -7,10 +7,9 @@ The middleware leaves what lies between two fields as it finds it in memory. ros
 there, and takes a message of ROS as one of its own, but for bytes and arrays of them.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 from types import SimpleNamespace
-from typing import Any
 
 from bahrs_driver.bag.topics import typestore
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -25,7 +24,7 @@ def type_name(kind: type) -> str:
     return f'{package}/msg/{kind.__name__}'
 
 
-def serialized(message: Any) -> bytes:
+def serialized(message: object) -> bytes:
     """Return a message as bytes."""
     kind = type(message)
     adapt = _ADAPTERS.get(kind)
@@ -46,5 +45,5 @@ def _bytes(message: UInt8MultiArray) -> SimpleNamespace:
     return SimpleNamespace(layout=message.layout, data=np.frombuffer(message.data, np.uint8))
 
 
-_ADAPTERS: dict[type, Callable[[Any], SimpleNamespace]] = {
+_ADAPTERS: Mapping[type, Callable[..., SimpleNamespace]] = {
     DiagnosticArray: _diagnostics, UInt8MultiArray: _bytes}

@@ -3,13 +3,13 @@
 """What a bag says of a topic: its type, the definition of the type, and the quality of service."""
 
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from rosbags.typesys import get_typestore, Stores
 from rosbags.typesys.store import Typestore
 
-Qos = dict[str, Any]
-_FOREVER = {'sec': 9223372036, 'nsec': 854775807}
+Qos = dict[str, object]
+_FOREVER: Qos = {'sec': 9223372036, 'nsec': 854775807}
 
 
 class Topic(NamedTuple):

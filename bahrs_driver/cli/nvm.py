@@ -12,7 +12,6 @@ import json
 import math
 import sys
 import threading
-from typing import Any
 
 from bahrs_driver.cli.files import binary_input
 from bahrs_driver.cli.outputs import add_force, is_standard_output, output_file
@@ -25,7 +24,9 @@ from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import Inertial
-from bahrs_driver.protocol.bahrs.nvm_image import Assertions, Found, KNOWN_FORMAT, parse
+from bahrs_driver.protocol.bahrs.nvm_image import (
+    Assertions, FormatVersion, Found, KNOWN_FORMAT, parse,
+)
 from bahrs_driver.protocol.bahrs.nvm_session import NvmSession, PAGE_SIZE, PAGES, State, VARIANTS
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.transport.link import Link
@@ -234,9 +235,10 @@ def _show(options: argparse.Namespace) -> int:
     else:
         for found in blocks:
             _print_block(found)
-    version = blocks[0]
-    if version.intact and (version.block.major, version.block.minor) != KNOWN_FORMAT:
-        print(f'bahrs nvm: the image has format {version.block.major}.{version.block.minor}, and '
+    version = blocks[0].block
+    if blocks[0].intact and isinstance(version, FormatVersion) \
+            and (version.major, version.minor) != KNOWN_FORMAT:
+        print(f'bahrs nvm: the image has format {version.major}.{version.minor}, and '
               f'is shown as if it had {KNOWN_FORMAT[0]}.{KNOWN_FORMAT[1]}', file=sys.stderr)
     damaged = [found.block.NAME for found in blocks if found.intact is False]
     if damaged:
@@ -259,14 +261,14 @@ def _print_block(found: Found) -> None:
         print(f'  {item.name:<20}{_plain(getattr(block, item.name))} {unit}'.rstrip())
 
 
-def _finite(value: Any) -> Any:
+def _finite(value: object) -> object:
     """Return what JSON can have; it knows no NaN."""
     if isinstance(value, tuple):
         return [_finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _plain(value: Any) -> str:
+def _plain(value: object) -> str:
     if isinstance(value, tuple):
         return ' '.join(_plain(item) for item in value)
     return f'{value:.6g}' if isinstance(value, float) else str(value)

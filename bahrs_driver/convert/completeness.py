@@ -11,9 +11,10 @@ NavSatFix is left alone: the altitude of `pressure_altitude` has no latitude and
 
 from collections.abc import Callable, Iterable, Iterator
 import math
-from typing import Any
 
-from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
+from geometry_msgs.msg import (
+    Point, Pose, PoseWithCovarianceStamped, Quaternion, Twist, TwistWithCovarianceStamped, Vector3,
+)
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import FluidPressure, Imu, MagneticField, Temperature
 from std_msgs.msg import Float64
@@ -21,19 +22,19 @@ from std_msgs.msg import Float64
 Numbers = tuple[float, ...]
 
 
-def _vector(vector: Any) -> Numbers:
+def _vector(vector: Vector3 | Point | Quaternion) -> Numbers:
     return vector.x, vector.y, vector.z
 
 
-def _pose(pose: Any) -> Numbers:
+def _pose(pose: Pose) -> Numbers:
     return *_vector(pose.position), pose.orientation.w, *_vector(pose.orientation)
 
 
-def _twist(twist: Any) -> Numbers:
+def _twist(twist: Twist) -> Numbers:
     return *_vector(twist.linear), *_vector(twist.angular)
 
 
-NUMBERS: dict[type, Callable[[Any], Numbers]] = {
+NUMBERS: dict[type, Callable[..., Numbers]] = {
     Imu: lambda message: (message.orientation.w, *_vector(message.orientation),
                           *_vector(message.angular_velocity),
                           *_vector(message.linear_acceleration)),
@@ -47,12 +48,12 @@ NUMBERS: dict[type, Callable[[Any], Numbers]] = {
 }
 
 
-def complete(message: Any) -> bool:
+def complete(message: object) -> bool:
     """Return whether no number of a message is NaN."""
     numbers = NUMBERS.get(type(message))
     return numbers is None or not any(map(math.isnan, numbers(message)))
 
 
-def without_incomplete(outgoing: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
+def without_incomplete(outgoing: Iterable[tuple[str, object]]) -> Iterator[tuple[str, object]]:
     """Yield the topics and messages that are complete."""
     return (pair for pair in outgoing if complete(pair[1]))

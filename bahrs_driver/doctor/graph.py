@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from itertools import product
 import shlex
 import time
-from typing import Any
 
 from bahrs_driver.devices.driver_graph import find_drivers, node_names, published
 from bahrs_driver.devices.registry import all_topics
@@ -17,6 +16,7 @@ from bahrs_driver.doctor.commands import RUN_DRIVER, run_driver
 from bahrs_driver.ros.node_names import full_name
 from rclpy.node import Node
 from rclpy.qos import qos_check_compatible, QoSCompatibility
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 DISCOVERY_TIME = 2.0        # s
 DISCOVERY_TIMEOUT = 4.0     # s more, on a busy machine, before no driver is reported
@@ -92,7 +92,8 @@ def _topic(node: Node, topic: str) -> Iterator[CheckResult]:
         yield from _pair(topic, publisher, subscriber)
 
 
-def _pair(topic: str, publisher: Any, subscriber: Any) -> Iterator[CheckResult]:
+def _pair(topic: str, publisher: TopicEndpointInfo,
+          subscriber: TopicEndpointInfo) -> Iterator[CheckResult]:
     if publisher.topic_type != subscriber.topic_type:
         yield problem('subscribers', f'{_name(subscriber)} subscribes to {topic} as '
                                      f'{subscriber.topic_type}: its type is '
@@ -113,5 +114,5 @@ def _pair(topic: str, publisher: Any, subscriber: Any) -> Iterator[CheckResult]:
                 + shlex.quote(f'qos_overrides.{topic}.publisher.{policy}:={wanted.short_key}'))
 
 
-def _name(info: Any) -> str:
+def _name(info: TopicEndpointInfo) -> str:
     return full_name(info.node_name, info.node_namespace)

@@ -5,7 +5,7 @@
 from abc import ABC, abstractmethod
 from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 from bahrs_driver.emulator.host_time import HostTime
 from bahrs_driver.emulator.motion import Motion
@@ -24,7 +24,7 @@ class Emission(NamedTuple):
     ready: float
     data: bytes
     name: str
-    truth: Mapping[str, Any]
+    truth: Mapping[str, object]
     time: float
 
 

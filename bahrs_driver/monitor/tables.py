@@ -3,7 +3,6 @@
 """Show the state of a watch as plain tables or JSON values, and hints for the user."""
 
 import os
-from typing import Any
 
 from bahrs_driver.monitor.watch import Watch
 from bahrs_driver.process.printable import printable
@@ -66,7 +65,7 @@ def tables(watch: Watch) -> Group:
     return Group(*([title] if title else []), topics, '', health)
 
 
-def to_json(watch: Watch) -> dict[str, Any]:
+def to_json(watch: Watch) -> dict[str, object]:
     """Return the present state as plain JSON values."""
     return {
         'heard': watch.driver_seen,

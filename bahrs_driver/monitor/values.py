@@ -10,7 +10,7 @@ empty or very long.
 from collections.abc import Callable
 from itertools import islice
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from bahrs_driver.convert.covariance import UNKNOWN_VARIANCE
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -120,7 +120,7 @@ def _device_time(reference: TimeReference) -> str:
     return f'{clock} time {time.sec + time.nanosec * 1e-9:.3f} s'
 
 
-FORMATS: dict[str, Callable[[Any], str]] = {
+FORMATS: dict[str, Callable[..., str]] = {
     'imu/data_raw': _force_and_rate,
     'imu/data': lambda message: attitude_text(attitude(message)),
     'imu/mag': lambda message: f'{_xyz(message.magnetic_field, 1, 1e6)} µT',

@@ -21,7 +21,7 @@ from collections import deque
 from collections.abc import Callable
 from threading import Lock
 import time
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -35,7 +35,7 @@ NO_WAIT = Duration(nanoseconds=0)
 
 class _Waiting(NamedTuple):
     since: float
-    message: Any
+    message: object
 
 
 class LatchedPublisher:
@@ -55,13 +55,13 @@ class LatchedPublisher:
         self._lock = Lock()
         self._backlog: Publisher | None = None
         self._waiting: deque[_Waiting] = deque()
-        self._latest_state: Any = None
+        self._latest_state: object = None
 
     def get_subscription_count(self) -> int:
         """Return the number of matched subscribers."""
         return self._latest.get_subscription_count()
 
-    def publish(self, message: Any) -> None:
+    def publish(self, message: object) -> None:
         """Publish a state now, or when the previous one is acknowledged."""
         with self._lock:
             self._waiting.append(_Waiting(self._clock(), message))

@@ -11,7 +11,6 @@ from collections.abc import Callable
 import threading
 import time
 import traceback
-from typing import Any
 
 from bahrs_driver.process.printable import printable
 
@@ -43,7 +42,7 @@ class FaultLog:
                               'running: please report it')
             self._write_debug(''.join(traceback.format_exception(error)))
 
-    def survive(self, activity: str, function: Callable[..., object], *arguments: Any) -> None:
+    def survive(self, activity: str, function: Callable[..., object], *arguments: object) -> None:
         """Call a function, and report its exception if it raises one."""
         try:
             function(*arguments)

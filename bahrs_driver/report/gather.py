@@ -6,7 +6,7 @@ from array import array
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 from bahrs_driver.bag.capture import Capture
 from bahrs_driver.bag.log_clock import LogClock
@@ -16,8 +16,8 @@ from bahrs_driver.protocol.bahrs.frames import (
     BahrsCodec, BahrsFormat, frame_size, frame_version, HEADER, MARKER,
 )
 from bahrs_driver.protocol.bahrs.messages import (
-    Accuracy, HardwareVersion, Inertial, InertialTime, Navigation, NavigationTime,
-    SoftwareVersion, SyncPulseTime,
+    Accuracy, BahrsMessage, HardwareVersion, HeightFormat, Inertial, InertialTime, Navigation,
+    NavigationTime, SoftwareVersion, SyncPulseTime,
 )
 from bahrs_driver.protocol.batch import Batch
 from bahrs_driver.protocol.framing import Frame, Framer, FramingCounters
@@ -95,7 +95,8 @@ class _FrameCollector:
         return frames
 
 
-def gather(capture: Capture, crc: Any = 'auto', height_format: Any = 'uint16',
+def gather(capture: Capture, crc: Literal['auto', 'word', 'byte'] = 'auto',
+           height_format: HeightFormat = 'uint16',
            progress: Callable[[], None] = lambda: None) -> Recording:
     """Read a capture; progress is called after each piece. CaptureError if it cannot be read."""
     frame_format, codec = BahrsFormat(crc), BahrsCodec(height_format)
@@ -144,7 +145,7 @@ def _recording(capture: Capture, batch: Batch, counters: PipelineCounters,
         offsets + _inertial_size(codec, versions), counters.streams, capture.notes)
 
 
-def _signals(kind: type[Any], seconds: Array, array: Array) -> Signals:
+def _signals(kind: type[BahrsMessage], seconds: Array, array: Array) -> Signals:
     names = [name for name in array.dtype.names or ()
              if name not in ('offset', 'sequence', 'health', 'device_time_us')]
     health = array['health'].copy() if kind.SIGNALS else np.empty((len(array), 0), np.uint8)

@@ -31,7 +31,7 @@ class BagOutput:
                 'keep_last', QUEUE_DEPTH, 'reliable', 'volatile'),))
             for topic, kind in topics.items())
 
-    def write(self, topic: str, time_ns: int, message: Any) -> None:
+    def write(self, topic: str, time_ns: int, message: object) -> None:
         """Take a message and its ROS time."""
         self._bag.write(self._name(topic), time_ns, serialized(message))
 
@@ -62,7 +62,7 @@ class CsvOutput:
             self._writers[topic] = csv.writer(file, lineterminator='\n')
             self._writers[topic].writerow(['time_ns', *(name for name, _ in _flat('', kind()))])
 
-    def write(self, topic: str, time_ns: int, message: Any) -> None:
+    def write(self, topic: str, time_ns: int, message: object) -> None:
         """Append a row with a message and its ROS time; WriteError if there is no room."""
         self._writers[topic].writerow([time_ns, *(value for _, value in _flat('', message))])
 
@@ -72,7 +72,7 @@ class CsvOutput:
             file.close()
 
 
-def _flat(prefix: str, message: Any) -> Iterator[tuple[str, Any]]:
+def _flat(prefix: str, message: Any) -> Iterator[tuple[str, object]]:
     """
     Yield name and value of each field.
 

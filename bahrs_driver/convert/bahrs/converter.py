@@ -13,7 +13,7 @@ lone component is NaN.
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from bahrs_driver.convert import atmosphere, covariance, ros
 from bahrs_driver.convert.axes import (
@@ -57,7 +57,7 @@ TIME_SOURCE = 'bahrs'
 LONGEST_APART = 500_000_000     # ns by which a message may be stamped after its inertial sample
 LONGEST_TIME_US = ROS_TIME_END_S * US_PER_S
 
-Outgoing = Iterator[tuple[str, Any]]
+Outgoing = Iterator[tuple[str, object]]
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class BahrsConverter:
         self._accuracy = OrientationAccuracy(
             options.convention, options.declination, options.orientation_fallback)
         self._notice = IntegrityNotice(Inertial.SIGNALS + Navigation.SIGNALS)
-        self._handlers: dict[type, Callable[[Any, int], Outgoing]] = {
+        self._handlers: dict[type, Callable[..., Outgoing]] = {
             Inertial: self._inertial, Navigation: self._navigation, Accuracy: self._take_accuracy,
             InertialTime: self._time, SyncPulseTime: self._pulse}
         self._forget()

@@ -14,7 +14,7 @@ So they are taken to be from true north, and the convergence of the grid does no
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from bahrs_driver.convert import covariance, ros
 from bahrs_driver.convert.axes import (
@@ -59,7 +59,7 @@ TIME_SOURCE = 'gps'
 ADC_RATE = math.radians(ADC_RATE_DEG)   # rad/s
 ROUNDING = math.sqrt(1 / 12)            # standard deviation of what rounding leaves, in quanta
 
-Outgoing = Iterator[tuple[str, Any]]
+Outgoing = Iterator[tuple[str, object]]
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class TitanConverter:
         self._options = options
         self._reader = reader
         self._gps_time = GpsTime(options.gps_week, options.leap_seconds)
-        self._handlers: dict[type, Callable[[Any, int], Outgoing]] = {
+        self._handlers: dict[type, Callable[..., Outgoing]] = {
             State: self._state, Gps: self._gps, Sensors: self._sensors}
         deviations = options.deviations
         self._orientation_spread = covariance.of_orientation(options.convention.diagonal(

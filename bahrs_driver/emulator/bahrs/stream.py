@@ -13,7 +13,7 @@ the time of the sample just sent and, by a quirk of the real device, the counter
 
 from collections.abc import Iterator, Mapping
 import math
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from bahrs_driver.emulator.motion import Truth, TURN
 from bahrs_driver.emulator.noise import Noise, Values
@@ -60,7 +60,7 @@ class Said(NamedTuple):
     """A message, the truth that it is about, by the names of its fields, and when that was so."""
 
     message: BahrsMessage
-    truth: Mapping[str, Any] = {}
+    truth: Mapping[str, object] = {}
     time: float | None = None       # None: that of the sample
 
 

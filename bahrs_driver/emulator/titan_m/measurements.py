@@ -4,7 +4,7 @@
 
 from collections.abc import Callable, Mapping
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from bahrs_driver.emulator.ground_path import GroundPath, Place
 from bahrs_driver.emulator.motion import Truth
@@ -32,7 +32,7 @@ class Measured(NamedTuple):
     """An answer, and the truth that it is about by the names of its fields."""
 
     message: TitanAnswer
-    truth: Mapping[str, Any]
+    truth: Mapping[str, object]
 
 
 class TitanMeasures:

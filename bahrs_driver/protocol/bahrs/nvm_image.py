@@ -9,7 +9,7 @@ the CRC-32 of their bytes. The rest of the memory is unused.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 from bahrs_driver.protocol.bahrs import checksum
 from bahrs_driver.protocol.layout import integer, integers, Layout, real, reals, text, Vector, wire
@@ -18,10 +18,10 @@ KNOWN_FORMAT = 1, 1         # major, minor
 CRC_SIZE = 4
 
 
+@dataclass(frozen=True, slots=True)
 class ImageBlock:
-    """What all blocks have: a name, and whether a CRC-32 follows."""
+    """Base of all blocks: a name, and whether a CRC-32 follows."""
 
-    __slots__ = ()
     NAME: ClassVar[str]
     CHECKED: ClassVar[bool] = True
 
@@ -87,7 +87,7 @@ BLOCKS: tuple[type[ImageBlock], ...] = (
 class Found(NamedTuple):
     """A block of an image, and whether its CRC is right; None if it has none."""
 
-    block: Any
+    block: ImageBlock
     intact: bool | None
 
 
