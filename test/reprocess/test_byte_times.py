@@ -10,9 +10,10 @@ from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import (
     Inertial, InertialTime, Navigation, NavigationTime, SoftwareVersion, SyncPulseTime,
 )
+from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.reprocess.byte_times import DeviceTimed
-from bahrs_driver.reprocess.sample_times import AFTER_RESTART
+from bahrs_driver.reprocess.sample_times import RESTART_DURATION
 from bahrs_driver.virtual_serial.faults import Faults
 from hypothesis import example, given, settings, strategies as st
 import pytest
@@ -42,7 +43,8 @@ def stamped(data, start=None, size=1000, label='auto', latency=0):
     def make_pipeline(clock=None):
         return Pipeline(Framer(BahrsFormat()), BahrsCodec(), clock)
 
-    timed = DeviceTimed(Bytes(data, size=size), make_pipeline, label, start, lambda what: None)
+    timed = DeviceTimed(
+        Bytes(data, size=size), ROLES, make_pipeline, label, start, lambda what: None)
     pipeline, found, chunks = make_pipeline(timed.clock(latency)), [], []
     for chunk in timed.chunks():
         chunks.append(chunk)
@@ -171,7 +173,7 @@ def test_a_restart_takes_a_second():
     samples = [(truth[item.frame.offset][0], item.stamp_ns) for item in stamped(data)
                if isinstance(item.message, Inertial)]
     last = max(stamp for epoch, stamp in samples if epoch == 0)
-    assert min(stamp for epoch, stamp in samples if epoch == 1) == last + AFTER_RESTART
+    assert min(stamp for epoch, stamp in samples if epoch == 1) == last + RESTART_DURATION
 
 
 @pytest.mark.parametrize('forget', [

@@ -5,6 +5,7 @@
 from bahrs_driver.protocol.bahrs.messages import (
     Accuracy, Inertial, InertialTime, Navigation, NavigationTime, SoftwareVersion,
 )
+from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.reprocess.message_times import MOST_HELD, with_times
 from hypothesis import given, strategies as st
@@ -32,7 +33,7 @@ def stream(samples, start=START, ahead=1, ppm=0, first=0):
 
 def times(found):
     """Return what is made of a stream, message by message, with the truth."""
-    made = [*with_times((None, message) for message, _ in found)]
+    made = [*with_times(((None, message) for message, _ in found), ROLES)]
     assert [message for _, message, _ in made] == [message for message, _ in found]
     return [(time, true) for (*_, time), (_, true) in zip(made, found)]
 
@@ -103,7 +104,7 @@ def test_a_stream_without_time_messages_is_held_to_a_limit():
                 taken += 1
                 yield None, message
 
-    for index, (_, _, time) in enumerate(with_times(source())):
+    for index, (_, _, time) in enumerate(with_times(source(), ROLES)):
         assert time is None and taken <= index + MOST_HELD + 1
 
 
@@ -117,4 +118,4 @@ def test_messages_leave_within_a_tenth_of_a_second():
             taken += 1
             yield None, message
 
-    assert max(taken - index for index, _ in enumerate(with_times(source()))) < 80
+    assert max(taken - index for index, _ in enumerate(with_times(source(), ROLES))) < 80
