@@ -71,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
     try:
         capture = read_capture(options.input, options.topic)
         name = sensor_of(capture, options.sensor)
-        if DEVICES[name].needs_read_times and not capture.timed:
+        if DEVICES[name].roles is None and not capture.timed:
             raise CommandError(f'{options.input} cannot be converted: answers of a {name} have no '
                                'times; record the topic raw, or look at them with bahrs decode')
         settings, notes = read_settings(options.parameters, name)

@@ -22,7 +22,8 @@ from bahrs_driver.errors import CommandError
 from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.framing import Frame, Framer
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.reprocess.message_times import with_times
+from bahrs_driver.protocol.message_roles import MessageRoles
+from bahrs_driver.reprocess.message_times import TimedMessage, with_times
 
 _CHUNK = 65536
 TIME = 'device_time_us'
@@ -64,7 +65,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Decode, and print in the format asked for; 1 if there was nothing to decode at all."""
     _refuse_bag(Path(options.file))
-    decoder = DEVICES[options.sensor].stream_decoder(options)
+    spec = DEVICES[options.sensor]
+    decoder = spec.stream_decoder(options)
     framer = decoder.framer
     with binary_input(options.file) as file:
         messages = decoder.messages(_frames(file, framer))
@@ -72,7 +74,7 @@ def run(options: argparse.Namespace) -> int:
             for frame, message in messages:
                 print(json.dumps(record(decoder, frame, message)))
         elif options.format == 'csv':
-            _print_csv(decoder, messages)
+            _print_csv(decoder, _timed(messages, spec.roles))
         else:
             counts = Counter(message.NAME for _, message in messages)
             (_print_json if options.json else _print_summary)(counts, decoder)
@@ -123,7 +125,7 @@ def _plain(value: Any) -> Any:
     return value.hex() if isinstance(value, bytes) else value
 
 
-def _print_csv(decoder: StreamDecoder, messages: Iterable[tuple[Frame, Any]]) -> None:
+def _print_csv(decoder: StreamDecoder, messages: Iterable[TimedMessage]) -> None:
     """
     Print a row a message, a column for every field of any message.
 
@@ -140,7 +142,7 @@ def _print_csv(decoder: StreamDecoder, messages: Iterable[tuple[Frame, Any]]) ->
         columns.insert(1, TIME)
     writer = csv.DictWriter(sys.stdout, columns, lineterminator='\n')
     writer.writeheader()
-    for frame, message, time_us in _timed(decoder, messages):
+    for frame, message, time_us in messages:
         fields = record(decoder, frame, message)
         row = {name: fields.pop(name) for name in head}
         row.update(zip(_columns(type(message)), _flat(fields.values())))
@@ -148,11 +150,11 @@ def _print_csv(decoder: StreamDecoder, messages: Iterable[tuple[Frame, Any]]) ->
         writer.writerow({**row, TIME: time_us} if TIME in columns else row)
 
 
-def _timed(decoder: StreamDecoder, messages: Iterable[tuple[Frame, Any]]
-           ) -> Iterable[tuple[Frame, Any, int | None]]:
+def _timed(messages: Iterable[tuple[Frame, Any]],
+           roles: MessageRoles | None) -> Iterable[TimedMessage]:
     """Return the messages with their device time in us; None if it is unknown."""
-    if decoder.has_device_time:
-        return with_times(messages)
+    if roles:
+        return with_times(messages, roles)
     return ((frame, message, None) for frame, message in messages)
 
 

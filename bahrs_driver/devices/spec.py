@@ -14,6 +14,7 @@ from typing import Any, ClassVar, Generic, TYPE_CHECKING, TypeVar
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.stream_decoder import StreamDecoder
 from bahrs_driver.protocol.framing import Frame, FrameFormat
+from bahrs_driver.protocol.message_roles import MessageRoles
 
 if TYPE_CHECKING:
     from bahrs_driver.devices.parts import Parts
@@ -30,7 +31,8 @@ class DeviceSpec(ABC, Generic[Settings]):
     settings: type[Settings]
     # Requests to write, one after another, to find a device that answers only.
     probe_requests: ClassVar[Sequence[bytes]] = ()
-    needs_read_times: ClassVar[bool] = False    # messages hold no time of the device
+    # Message types for the clock; None if messages hold no device time of samples.
+    roles: ClassVar[MessageRoles | None] = None
     stream_decoder: ClassVar[type[StreamDecoder]]       # for `bahrs decode`
 
     @abstractmethod

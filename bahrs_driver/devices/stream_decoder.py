@@ -15,7 +15,6 @@ class StreamDecoder(ABC):
     """Decodes a stream of bytes; a device overrides what differs."""
 
     head: Sequence[str] = ()        # names of the values of head_values()
-    has_device_time = False         # whether messages lead to the device time of each
 
     framer: Framer
     kinds: Sequence[type[Message]]  # of the messages

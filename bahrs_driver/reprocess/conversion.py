@@ -122,9 +122,10 @@ class Conversion:
     def _survey(self, progress: Callable[[str], None]) -> tuple[Capture, Clock | None]:
         """Return the capture with times, and a clock that knows all of it, if any can."""
         parts = self._make_parts()
-        if not self._given.timed:
+        if not self._given.timed and self._spec.roles:
             timed = DeviceTimed(
-                self._given, lambda: Pipeline(self._make_parts().framer, parts.codec),
+                self._given, self._spec.roles,
+                lambda: Pipeline(self._make_parts().framer, parts.codec),
                 parts.time_label, self._start_ns, progress)
             return timed, timed.clock(
                 round(self._settings.time.fixed_latency * NS_PER_S))

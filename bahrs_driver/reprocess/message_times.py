@@ -27,17 +27,17 @@ class _Held(NamedTuple):
     frame: Frame
     message: Any
     stream: CountedStream | None
-    count: int | None               # None without a plausible counter
+    number: int | None              # its count; None without a plausible counter
 
     @property
     def decided(self) -> bool:
-        return not self.stream or self.count is None or self.stream.times.decided(self.count)
+        return not self.stream or self.number is None or self.stream.times.decided(self.number)
 
     def timed(self) -> TimedMessage:
         """Return the message with its device time in us, None if that is not certain."""
         if not self.stream:
             return self.frame, self.message, getattr(self.message, 'device_time_us', None) or None
-        time = None if self.count is None else self.stream.times.certain_time(self.count)
+        time = None if self.number is None else self.stream.times.certain_time(self.number)
         if time is None or time < 0:
             return self.frame, self.message, None
         return self.frame, self.message, round(time, -3) // NS_PER_US

@@ -220,7 +220,7 @@ class SampleTimes:
             self._add(Stretch(self._begin, anchor.sample, anchor.time, PERIOD, 1))
             self.epochs += 1
         else:
-            self._certain.append(Span(anchor.sample, anchor.sample))
+            self._certain.append(Span(anchor.sample + 1, anchor.sample))
             self._cross(self._line, anchor)
         self._line, self._latest, self._candidate = candidate, anchor, None
         while self._jumps and self._jumps[0].before < anchor.sample:

@@ -10,6 +10,7 @@ from bahrs_driver.devices.bahrs.stream_decoder import BahrsStreamDecoder
 from bahrs_driver.devices.spec import DeviceSpec
 from bahrs_driver.protocol.bahrs.frames import BahrsFormat, frame_type
 from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation
+from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Frame, FrameFormat
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ class BahrsSpec(DeviceSpec[BahrsSettings]):
     name = 'bahrs'
     label = 'BAHRS'
     settings = BahrsSettings
+    roles = ROLES
     stream_decoder = BahrsStreamDecoder
 
     def frame_format(self) -> FrameFormat:

@@ -16,7 +16,6 @@ class BahrsStreamDecoder(StreamDecoder):
     """Decodes the stream of a BAHRS."""
 
     head = ('version',)
-    has_device_time = True
     kinds = MESSAGES
 
     @classmethod

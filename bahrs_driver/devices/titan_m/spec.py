@@ -26,7 +26,6 @@ class TitanSpec(DeviceSpec[TitanMSettings]):
     # The byte order of checksums that the device accepts is not known.
     probe_requests = tuple(build_request(StateRequest, checksum_order=order)
                            for order in CHECKSUM_ORDERS)
-    needs_read_times = True
     stream_decoder = TitanStreamDecoder
 
     def frame_format(self) -> FrameFormat:
