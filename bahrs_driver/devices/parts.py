@@ -29,9 +29,11 @@ class Converter(Protocol):
 
     def lost(self, stamp_ns: int) -> Iterator[tuple[str, Any]]:
         """Forget the stream, and return messages that report its end."""
+        return iter(())
 
     def silent(self, stamp_ns: int) -> Iterator[tuple[str, Any]]:
         """Return messages that report a pause of the stream."""
+        return iter(())
 
 
 @dataclass(frozen=True)

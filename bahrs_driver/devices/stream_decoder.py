@@ -28,8 +28,12 @@ class StreamDecoder(ABC):
         """Set framer and kinds."""
 
     @abstractmethod
-    def decode(self, frame: Frame) -> Any:
+    def decode(self, frame: Frame, _now: int = 0) -> Any:
         """Return the message of an intact frame."""
+
+    def expected(self) -> Sequence[Any]:
+        """Return the messages that were requested: none."""
+        return ()
 
     def messages(self, frames: Iterable[Frame]) -> Iterable[tuple[Frame, Any]]:
         """Return the messages that the frames complete, in the order of the stream."""

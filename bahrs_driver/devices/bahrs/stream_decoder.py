@@ -31,7 +31,7 @@ class BahrsStreamDecoder(StreamDecoder):
         self._codec = BahrsCodec(options.pressure_height)
         self.framer = Framer(self._format)
 
-    def decode(self, frame: Frame) -> Any:
+    def decode(self, frame: Frame, _now: int = 0) -> Any:
         """Return the message of an intact frame."""
         return self._codec.decode(frame)
 

@@ -37,7 +37,7 @@ class TitanStreamDecoder(StreamDecoder):
         self._reader = PayloadReader[Frame](options.payload_order, MOST_HELD)
         self.framer = Framer(self._format)
 
-    def decode(self, frame: Frame) -> Any:
+    def decode(self, frame: Frame, _now: int = 0) -> Any:
         """Return the answer of an intact frame, its payload as bytes."""
         return answer_of(frame)
 
