@@ -6,6 +6,7 @@ import contextlib
 import csv
 import json
 from pathlib import Path
+import re
 import subprocess
 import sys
 
@@ -21,6 +22,7 @@ from support.bags import write_bag
 from support.devices import DIAGNOSTICS, says, status
 from support.processes import listening, Process, wait_for
 
+GUIDE = Path(__file__).parents[2] / 'docs' / 'adding-a-device.md'
 SCRIPT = Path(__file__).with_name('rangefinder.py')
 FRAME_SIZE, PERIOD_NS = 8, NS_PER_S // 20
 SENSOR = ('--sensor', 'rangefinder')
@@ -105,3 +107,11 @@ def test_node(tmp_path):
             assert says(ear, 'Framing', DiagnosticStatus.OK, 'All frames intact')
             assert wait_for(lambda: status(ear, 'Rates').level == DiagnosticStatus.OK)
             assert ear.wait('raw')[0].layout.dim[0].label.startswith('sensor=rangefinder ')
+
+
+def test_the_guide_quotes_the_module():
+    """The code of docs/adding-a-device.md is that of the module."""
+    text, module = GUIDE.read_text(), SCRIPT.read_text()
+    blocks = re.findall(r'^```py\n(.*?)^```$', text, re.MULTILINE | re.DOTALL)
+    assert len(blocks) == 6
+    assert [block for block in blocks if block not in module] == []
