@@ -288,7 +288,8 @@ class SampleClock:
 
     def _update_pulses(self) -> None:
         device, estimate = self._device, self._estimate
-        if device.known and estimate.started and (notice := self._pulses.update(
-                device.time_of(device.counter.count), estimate, self._reads.host)):
+        if self._pulses.seen and device.known and estimate.started and (
+                notice := self._pulses.update(
+                    device.time_of(device.counter.count), estimate, self._reads.host)):
             self._slewer.allow_fast_slew()
             self._notices.add(notice)

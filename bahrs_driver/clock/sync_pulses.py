@@ -26,6 +26,7 @@ class SyncPulses:
         whether their ROS times are reported rather than whole periods.
         """
         self.enabled = enabled
+        self.seen = False               # whether there was a pulse
         self.tracker = PulseTracker(period)
         self.reference = PulseReference(period, external_times)
         self.delay = DelayEstimate()
@@ -45,6 +46,7 @@ class SyncPulses:
 
     def add(self, device: int) -> None:
         """Add the device time of a pulse."""
+        self.seen = True
         if device not in self._pending:
             self._pending.append(device)
 
