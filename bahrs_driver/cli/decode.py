@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""`bahrs decode`: what is in a recorded stream of bytes."""
+"""`bahrs decode`: print the messages in a stream of bytes."""
 
 import argparse
 from collections import Counter
@@ -17,15 +17,16 @@ from typing import Any, BinaryIO
 from bahrs_driver.bag.bag_kind import is_bag
 from bahrs_driver.cli.files import binary_input
 from bahrs_driver.devices.registry import DEFAULT, DEVICES
-from bahrs_driver.devices.stream_decoder import StreamDecoder
+from bahrs_driver.devices.stream_decoder import AnyDecoder
 from bahrs_driver.errors import CommandError
 from bahrs_driver.process.printable import printable
-from bahrs_driver.protocol.framing import Frame, Framer
+from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.protocol.message_roles import MessageRoles
-from bahrs_driver.reprocess.message_times import TimedMessage, with_times
+from bahrs_driver.reprocess.decode import decode_stream, with_device_time
+from bahrs_driver.reprocess.decoding_faults import DecodingFaults
+from bahrs_driver.reprocess.message_times import TimedMessage
 
-_CHUNK = 65536
+_CHUNK = 65536          # bytes
 TIME = 'device_time_us'
 _BODY, _NED = ('_x', '_y', '_z'), ('_north', '_east', '_down')
 _SUFFIXES = {'specific_force': _BODY, 'angular_rate': _BODY, 'unique_id': ('_1', '_2', '_3'),
@@ -63,40 +64,47 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Decode, and print in the format asked for; 1 if there was nothing to decode at all."""
+    """Print a stream in the chosen format; return 1 if not all of its messages are decoded."""
     _refuse_bag(Path(options.file))
     spec = DEVICES[options.sensor]
-    decoder = spec.stream_decoder(options)
-    framer = decoder.framer
+    decoder = spec.stream_decoder(spec.stream_decoder.settings(options) or spec.settings())
+    faults = DecodingFaults()
     with binary_input(options.file) as file:
-        messages = decoder.messages(_frames(file, framer))
+        messages = decode_stream(_chunks(file), decoder, faults)
         if options.format == 'jsonl':
             for frame, message in messages:
                 print(json.dumps(record(decoder, frame, message)))
         elif options.format == 'csv':
-            _print_csv(decoder, _timed(messages, spec.roles))
+            _print_csv(decoder, with_device_time(messages, spec.roles))
         else:
             counts = Counter(message.NAME for _, message in messages)
             (_print_json if options.json else _print_summary)(counts, decoder)
-    complaint = decoder.complaint()
-    if not framer.counters.frames:
-        others = ' or '.join(f'--sensor {name}' for name in DEVICES if name != options.sensor)
-        complaint = (f'no frame of a {options.sensor} in {framer.received} bytes; '
-                     f'if they are of another device, try {others}')
-    if complaint:
-        print(f'bahrs decode: {complaint}', file=sys.stderr)
-    return 1 if complaint else 0
+    problems = [*_problems(decoder, options.sensor), *faults.notices()]
+    for problem in problems:
+        print(f'bahrs decode: {problem}', file=sys.stderr)
+    return 1 if problems else 0
+
+
+def _problems(decoder: AnyDecoder, sensor: str) -> Iterator[str]:
+    """Yield why messages are missing."""
+    counters = decoder.pipeline.counters
+    if not counters.framing.frames:
+        others = ' or '.join(f'--sensor {name}' for name in DEVICES if name != sensor)
+        yield (f'no frame of a {sensor} in {counters.bytes_received} bytes; if they are of '
+               f'another device, try {others}')
+    elif complaint := decoder.complaint():
+        yield complaint
 
 
 def _refuse_bag(path: Path) -> None:
-    """Raise CommandError for a bag: the bytes of its storage would be taken for damage."""
+    """Raise CommandError for a bag, whose storage looks like damaged frames."""
     if path.is_file() and is_bag(path):
-        raise CommandError(f'{printable(path)} is a bag: make topics or CSV files of it with '
-                           'bahrs convert, or a page with bahrs report')
+        raise CommandError(f'{printable(path)} is a bag: use bahrs convert to make topics or CSV '
+                           'files of it, or bahrs report to make a page')
 
 
-def record(decoder: StreamDecoder, frame: Frame, message: Any) -> dict[str, Any]:
-    """Return a message as plain JSON values: what it is, where it stood, what it says."""
+def record(decoder: AnyDecoder, frame: Frame, message: Any) -> dict[str, Any]:
+    """Return name, offset and fields of a message as JSON values."""
     fields = {item.name: _plain(getattr(message, item.name))
               for item in dataclasses.fields(message)}
     fields.update((name, _plain(getattr(message, name))) for name in message.PROPERTIES)
@@ -104,15 +112,14 @@ def record(decoder: StreamDecoder, frame: Frame, message: Any) -> dict[str, Any]
             **fields}
 
 
-def _frames(file: BinaryIO, framer: Framer) -> Iterator[Frame]:
-    read = getattr(file, 'read1', file.read)        # a pipe: print what is there, do not wait
+def _chunks(file: BinaryIO) -> Iterator[bytes]:
+    read = getattr(file, 'read1', file.read)        # does not wait for more bytes from a pipe
     try:
         while chunk := read(_CHUNK):
-            yield from framer.feed(chunk)
+            yield chunk
     except OSError as error:
-        if error.errno != errno.EIO:            # a port that is gone is the end of its stream
+        if error.errno != errno.EIO:            # a port that is unplugged ends its stream
             raise
-    yield from framer.flush()
 
 
 def _plain(value: Any) -> Any:
@@ -121,17 +128,16 @@ def _plain(value: Any) -> Any:
     if isinstance(value, tuple):
         return [_plain(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
-        return None             # which JSON has no number for, and CSV an empty cell
+        return None             # JSON has no number for it; CSV has an empty cell
     return value.hex() if isinstance(value, bytes) else value
 
 
-def _print_csv(decoder: StreamDecoder, messages: Iterable[TimedMessage]) -> None:
+def _print_csv(decoder: AnyDecoder, messages: Iterable[TimedMessage]) -> None:
     """
-    Print a row a message, a column for every field of any message.
+    Print a row for each message, with a column for every field of any message.
 
-    A cell is empty where the message has no such field, or its value is not available: a number
-    would be taken for a measurement. Device time is that of the message itself, as its counter and
-    the time messages around it tell.
+    A cell is empty if the message has no such field or the value is unavailable, because a number
+    would look like a measurement.
     """
     head = ('message', *decoder.head, 'offset')
     columns = list(head)
@@ -148,14 +154,6 @@ def _print_csv(decoder: StreamDecoder, messages: Iterable[TimedMessage]) -> None
         row.update(zip(_columns(type(message)), _flat(fields.values())))
         row.update(dict.fromkeys(decoder.unavailable(message)))
         writer.writerow({**row, TIME: time_us} if TIME in columns else row)
-
-
-def _timed(messages: Iterable[tuple[Frame, Any]],
-           roles: MessageRoles | None) -> Iterable[TimedMessage]:
-    """Return the messages with their device time in us; None if it is unknown."""
-    if roles:
-        return with_times(messages, roles)
-    return ((frame, message, None) for frame, message in messages)
 
 
 def _columns(kind: type[Any]) -> list[str]:
@@ -178,23 +176,22 @@ def _flat(values: Iterable[Any]) -> Iterator[Any]:
             yield printable(value) if isinstance(value, str) else value
 
 
-def _print_json(counts: Counter[str], decoder: StreamDecoder) -> None:
-    framer = decoder.framer
-    counters = framer.counters
+def _print_json(counts: Counter[str], decoder: AnyDecoder) -> None:
+    counters, framing = decoder.pipeline.counters, decoder.pipeline.counters.framing
     print(json.dumps({
-        'counts': counts, 'unknown_types': dict(counters.unknown_types), 'bytes': framer.received,
-        'crc_failures': counters.crc_failures, 'skipped_bytes': counters.skipped_bytes,
+        'counts': counts, 'unknown_types': dict(framing.unknown_types),
+        'bytes': counters.bytes_received, 'crc_failures': framing.crc_failures,
+        'skipped_bytes': framing.skipped_bytes,
         **{name.lower().replace(' ', '_'): value for name, value in decoder.detected()}}))
 
 
-def _print_summary(counts: Counter[str], decoder: StreamDecoder) -> None:
-    framer = decoder.framer
-    counters = framer.counters
+def _print_summary(counts: Counter[str], decoder: AnyDecoder) -> None:
+    counters, framing = decoder.pipeline.counters, decoder.pipeline.counters.framing
     rows = [(name, count) for name, count in counts.most_common()]
     rows += [(f'unknown type {name}', count)
-             for name, count in sorted(counters.unknown_types.items())]
-    rows += [('bytes', framer.received), ('CRC failures', counters.crc_failures),
-             ('skipped bytes', counters.skipped_bytes)]
+             for name, count in sorted(framing.unknown_types.items())]
+    rows += [('bytes', counters.bytes_received), ('CRC failures', framing.crc_failures),
+             ('skipped bytes', framing.skipped_bytes)]
     for name, count in rows:
         print(f'{name:<22}{count:>12,}')
     for name, value in decoder.detected():

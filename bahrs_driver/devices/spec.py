@@ -33,7 +33,7 @@ class DeviceSpec(ABC, Generic[Settings]):
     probe_requests: ClassVar[Sequence[bytes]] = ()
     # Message types for the clock; None if messages hold no device time of samples.
     roles: ClassVar[MessageRoles | None] = None
-    stream_decoder: ClassVar[type[StreamDecoder]]       # for `bahrs decode`
+    stream_decoder: type[StreamDecoder[Settings]]
 
     @abstractmethod
     def frame_format(self) -> FrameFormat:
@@ -47,11 +47,11 @@ class DeviceSpec(ABC, Generic[Settings]):
     def topics(self) -> Mapping[str, type]:
         """Return the message type of each topic."""
 
-    def describe(self, frame_format: Any) -> str:
+    def describe(self, _frame_format: Any) -> str:
         """Return the label, with what the frames that passed the format reveal."""
         return self.label
 
-    def frame_period(self, frame: Frame) -> float | None:
+    def frame_period(self, _frame: Frame) -> float | None:
         """Return the seconds between regular frames of this type; None for other frames."""
         return None
 

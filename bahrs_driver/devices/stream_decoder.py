@@ -1,43 +1,45 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Decode the recorded bytes of a device, for `bahrs decode`."""
+"""Decode the bytes of a device into typed messages, without a port and without ROS."""
 
 from abc import ABC, abstractmethod
 import argparse
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, Generic, TypeVar
 
-from bahrs_driver.protocol.framing import Frame, Framer
+from bahrs_driver.devices.settings import CommonSettings
+from bahrs_driver.pipeline import Pipeline, Stamped
+from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.message import Message
 
+Settings = TypeVar('Settings', bound=CommonSettings)
 
-class StreamDecoder(ABC):
+
+class StreamDecoder(ABC, Generic[Settings]):
     """Decodes a stream of bytes; a device overrides what differs."""
 
     head: Sequence[str] = ()        # names of the values of head_values()
 
-    framer: Framer
+    pipeline: Pipeline
     kinds: Sequence[type[Message]]  # of the messages
 
     @classmethod
     def add_arguments(cls, parser: argparse.ArgumentParser) -> None:
         """Add the options of `bahrs decode` that only this device has."""
 
-    @abstractmethod
-    def __init__(self, options: argparse.Namespace) -> None:
-        """Set framer and kinds."""
+    @classmethod
+    def settings(cls, _options: argparse.Namespace) -> Settings | None:
+        """Return the settings that the options of `bahrs decode` stand for; None for defaults."""
+        return None
 
     @abstractmethod
-    def decode(self, frame: Frame, _now: int = 0) -> Any:
-        """Return the message of an intact frame."""
+    def __init__(self, settings: Settings) -> None:
+        """Set pipeline, which leaves messages unstamped."""
 
-    def expected(self) -> Sequence[Any]:
-        """Return the messages that were requested: none."""
-        return ()
-
-    def messages(self, frames: Iterable[Frame]) -> Iterable[tuple[Frame, Any]]:
-        """Return the messages that the frames complete, in the order of the stream."""
-        return ((frame, self.decode(frame)) for frame in frames)
+    def messages(self, items: Iterable[Stamped]) -> Iterator[tuple[Frame, Any]]:
+        """Yield the messages whose content is known by now, in the order of the stream."""
+        for message, frame, _ in items:
+            yield frame, message
 
     def head_values(self, _frame: Frame) -> dict[str, Any]:
         """Return properties of a frame that its message lacks."""
@@ -54,3 +56,6 @@ class StreamDecoder(ABC):
     def complaint(self) -> str:
         """Return why messages could not be decoded; empty if all could."""
         return ''
+
+
+AnyDecoder = StreamDecoder[Any]

@@ -8,7 +8,7 @@ are held for some seconds, so that they leave in the order of their log times, w
 stamps without the steps of the host clock (see `log_clock`).
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 import heapq
 from typing import Any, NamedTuple, Protocol
 
@@ -21,10 +21,10 @@ from bahrs_driver.convert import raw
 from bahrs_driver.devices.parts import Parts
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.spec import AnyDevice
-from bahrs_driver.pipeline import DecodingFault, Event, Pipeline, Stamped
-from bahrs_driver.process.printable import printable
+from bahrs_driver.pipeline import Pipeline
 from bahrs_driver.reprocess import replay_diagnostics
 from bahrs_driver.reprocess.byte_times import DeviceTimed
+from bahrs_driver.reprocess.decoding_faults import DecodingFaults
 from bahrs_driver.reprocess.replay_diagnostics import FlightHealth
 from bahrs_driver.units import NS_PER_S
 from diagnostic_msgs.msg import DiagnosticArray
@@ -72,8 +72,7 @@ class Conversion:
         self._start_ns = start_ns
         self._heap: list[tuple[int, int, str, Any]] = []
         self._count = self._first = self._last = 0
-        self._fault_count = 0               # frames that could not be decoded
-        self._fault: DecodingFault | None = None        # the first of them
+        self._faults = DecodingFaults()
         self.notices: list[str] = []        # sentences about the data
 
     def run(self, output: Output, progress: Callable[[str], None]) -> Outcome:
@@ -96,7 +95,7 @@ class Conversion:
             self._convert(played, parts, health)
             self._release(output, played.moment.log_ns - HOLD)
         self._release(output, None)
-        self.notices = [*parts.take_notices(), *self._fault_notice()]
+        self.notices = [*parts.take_notices(), *self._faults.notices()]
         counters = pipeline.counters.framing
         return Outcome(counters.frames, counters.skipped_bytes, self._count, self._first,
                        self._last, log_clock.sentences())
@@ -108,7 +107,7 @@ class Conversion:
         chunk, moment, events, lost = played
         now, converter = moment.log_ns, parts.converter
         self._tell(health.before(now))
-        for message, _, stamp_ns in self._messages(events):
+        for message, _, stamp_ns in self._faults.messages(events):
             self._take(converter.convert(message, stamp_ns), stamp_ns - moment.offset,
                        health.counts)
             for topic, page in parts.service_messages(message):
@@ -136,22 +135,6 @@ class Conversion:
         for _ in play_capture(self._given, first_pass, LogClock()):
             progress('looking at the clock')
         return self._given, smoothing.second_pass()
-
-    def _messages(self, events: Sequence[Event]) -> Iterator[Stamped]:
-        """Yield the messages among events, and note frames that could not be decoded."""
-        for event in events:
-            if isinstance(event, Stamped):
-                yield event
-            elif isinstance(event, DecodingFault):
-                self._fault = self._fault or event
-                self._fault_count += 1
-
-    def _fault_notice(self) -> Iterator[str]:
-        if self._fault:
-            frame, error = self._fault
-            yield (f'{self._fault_count} frames could not be decoded, the first at byte '
-                   f'{frame.offset} ({type(error).__name__}: {printable(error)}): this is a fault '
-                   'of bahrs_driver, please report it')
 
     def _raw(self, chunk: Chunk) -> tuple[str, UInt8MultiArray]:
         read_at = chunk.read_at or 0

@@ -18,7 +18,13 @@ from bahrs_driver.units import NS_PER_US
 
 MOST_HELD = 2000                    # messages; a device sends 330 per second
 
-TimedMessage = tuple[Frame, Any, int | None]
+
+class TimedMessage(NamedTuple):
+    """A message with its frame and its device time in us, None if that is not certain."""
+
+    frame: Frame
+    message: Any
+    device_time_us: int | None
 
 
 class _Held(NamedTuple):
@@ -34,13 +40,14 @@ class _Held(NamedTuple):
         return not self.stream or self.number is None or self.stream.times.decided(self.number)
 
     def timed(self) -> TimedMessage:
-        """Return the message with its device time in us, None if that is not certain."""
+        """Return the message with its device time."""
         if not self.stream:
-            return self.frame, self.message, getattr(self.message, 'device_time_us', None) or None
+            return TimedMessage(self.frame, self.message,
+                                getattr(self.message, 'device_time_us', None) or None)
         time = None if self.number is None else self.stream.times.certain_time(self.number)
         if time is None or time < 0:
-            return self.frame, self.message, None
-        return self.frame, self.message, round(time, -3) // NS_PER_US
+            return TimedMessage(self.frame, self.message, None)
+        return TimedMessage(self.frame, self.message, round(time, -3) // NS_PER_US)
 
 
 def with_times(messages: Iterable[tuple[Frame, Any]],

@@ -23,6 +23,7 @@ from bahrs_driver.devices.stream_decoder import StreamDecoder
 from bahrs_driver.diagnostics.rates_task import RatesTask
 from bahrs_driver.diagnostics.stream_health import StreamHealth
 from bahrs_driver.emulator.device import Emission, EmulatedDevice
+from bahrs_driver.pipeline import Pipeline
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.message import Message
 from std_msgs.msg import Float64
@@ -58,17 +59,25 @@ class RangeFormat:
         """Return None: there is one type of frame."""
 
 
-class RangeDecoder(StreamDecoder):
-    """Decodes the frames of a live or recorded stream."""
+class RangeDecoder:
+    """Decodes frames."""
 
-    kinds = (Range,)
-
-    def __init__(self, _options=None):
-        self.framer = Framer(RangeFormat())
+    def expected(self):
+        """Return an empty tuple: the device sends by itself."""
+        return ()
 
     def decode(self, frame, _now=0):
         """Return the message of an intact frame."""
         return Range(*FRAME.unpack(frame.data)[1:3])
+
+
+class RangeStreamDecoder(StreamDecoder):
+    """Decodes a stream for `bahrs decode`."""
+
+    kinds = (Range,)
+
+    def __init__(self, _settings):
+        self.pipeline = Pipeline(Framer(RangeFormat()), RangeDecoder())
 
 
 class RangeConverter(Converter):
@@ -118,8 +127,7 @@ class RangefinderSpec(DeviceSpec[CommonSettings]):
     name = 'rangefinder'
     label = 'rangefinder'
     settings = CommonSettings
-    stream_decoder = RangeDecoder
-    needs_read_times = True
+    stream_decoder = RangeStreamDecoder
 
     def frame_format(self):
         """Return the frame format with default settings."""
@@ -135,9 +143,9 @@ class RangefinderSpec(DeviceSpec[CommonSettings]):
 
     def parts(self, settings):
         """Return new parts for one stream."""
-        decoder, timeout = RangeDecoder(), settings.diagnostics.silence_timeout
+        timeout = settings.diagnostics.silence_timeout
         rates = RatesTask({Range.NAME: RATE}, settings.diagnostics.rate_tolerance, timeout)
-        return Parts(decoder.framer, decoder, ArrivalStamps(), RangeConverter(),
+        return Parts(Framer(RangeFormat()), RangeDecoder(), ArrivalStamps(), RangeConverter(),
                      StreamHealth(rates), timeout, 'is the rangefinder powered?')
 
 

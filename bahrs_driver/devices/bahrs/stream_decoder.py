@@ -1,18 +1,20 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Decode the recorded bytes of a BAHRS, for `bahrs decode`."""
+"""Decode the bytes of a BAHRS into typed messages."""
 
 import argparse
 from collections.abc import Sequence
 from typing import Any
 
+from bahrs_driver.devices.bahrs.settings import BahrsSettings, PressureHeight
 from bahrs_driver.devices.stream_decoder import StreamDecoder
+from bahrs_driver.pipeline import Pipeline
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat, frame_version
 from bahrs_driver.protocol.bahrs.messages import MESSAGES, TimeMessage
 from bahrs_driver.protocol.framing import Frame, Framer
 
 
-class BahrsStreamDecoder(StreamDecoder):
+class BahrsStreamDecoder(StreamDecoder[BahrsSettings]):
     """Decodes the stream of a BAHRS."""
 
     head = ('version',)
@@ -26,14 +28,15 @@ class BahrsStreamDecoder(StreamDecoder):
         parser.add_argument('--pressure-height', choices=('uint16', 'int16'), default='uint16',
                             help='bahrs: format of the pressure height (default: %(default)s)')
 
-    def __init__(self, options: argparse.Namespace) -> None:
-        self._format = BahrsFormat(options.crc)
-        self._codec = BahrsCodec(options.pressure_height)
-        self.framer = Framer(self._format)
+    @classmethod
+    def settings(cls, options: argparse.Namespace) -> BahrsSettings:
+        """Return the settings that the options stand for."""
+        return BahrsSettings(crc_order=options.crc,
+                             pressure_height=PressureHeight(options.pressure_height))
 
-    def decode(self, frame: Frame, _now: int = 0) -> Any:
-        """Return the message of an intact frame."""
-        return self._codec.decode(frame)
+    def __init__(self, settings: BahrsSettings) -> None:
+        self._format = BahrsFormat(settings.crc_order)
+        self.pipeline = Pipeline(Framer(self._format), BahrsCodec(settings.pressure_height.format))
 
     def head_values(self, frame: Frame) -> dict[str, Any]:
         """Return the protocol version."""

@@ -1,15 +1,17 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Decode the recorded answers of a Titan-M, for `bahrs decode`."""
+"""Decode the answers of a Titan-M into typed messages."""
 
 import argparse
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from bahrs_driver.devices.stream_decoder import StreamDecoder
+from bahrs_driver.devices.titan_m.settings import TitanMSettings
+from bahrs_driver.pipeline import Pipeline, Stamped
 from bahrs_driver.protocol.framing import Frame, Framer
 from bahrs_driver.protocol.titan_m.byte_order import PayloadReader
-from bahrs_driver.protocol.titan_m.frames import answer_of, AnswerFormat, message_id
+from bahrs_driver.protocol.titan_m.frames import AnswerCodec, AnswerFormat, message_id
 from bahrs_driver.protocol.titan_m.messages import ANSWERS, Gps, LAST_ZONE
 
 # Columns of a GPS answer that have no value without a position.
@@ -18,7 +20,7 @@ OF_A_POSITION = ('easting', 'northing', 'altitude', 'velocity_ned_north', 'veloc
 MOST_HELD = 100_000         # answers that wait for their byte order; a stream may never reveal it
 
 
-class TitanStreamDecoder(StreamDecoder):
+class TitanStreamDecoder(StreamDecoder[TitanMSettings]):
     """Decodes the answers of a Titan-M. The protocol has no version."""
 
     head = ('version', 'message_id')
@@ -32,19 +34,20 @@ class TitanStreamDecoder(StreamDecoder):
         parser.add_argument('--checksum-order', choices=('auto', 'little', 'big'), default='auto',
                             help='titan_m: byte order of checksums (default: %(default)s)')
 
-    def __init__(self, options: argparse.Namespace) -> None:
-        self._format = AnswerFormat(options.checksum_order)
-        self._reader = PayloadReader[Frame](options.payload_order, MOST_HELD)
-        self.framer = Framer(self._format)
+    @classmethod
+    def settings(cls, options: argparse.Namespace) -> TitanMSettings:
+        """Return the settings that the options stand for."""
+        return TitanMSettings(payload_order=options.payload_order,
+                              checksum_order=options.checksum_order)
 
-    def decode(self, frame: Frame, _now: int = 0) -> Any:
-        """Return the answer of an intact frame, its payload as bytes."""
-        return answer_of(frame)
+    def __init__(self, settings: TitanMSettings) -> None:
+        self._format = AnswerFormat(settings.checksum_order)
+        self._reader = PayloadReader[Frame](settings.payload_order, MOST_HELD)
+        self.pipeline = Pipeline(Framer(self._format), AnswerCodec())
 
-    def messages(self, frames: Iterable[Frame]) -> Iterable[tuple[Frame, Any]]:
-        """Return the messages whose byte order is known by now, in the order of the stream."""
-        for frame in frames:
-            answer = self.decode(frame)
+    def messages(self, items: Iterable[Stamped]) -> Iterator[tuple[Frame, Any]]:
+        """Yield the messages whose byte order is known by now, in the order of the stream."""
+        for answer, frame, _ in items:
             for message, found in self._reader.read(answer.kind, answer.payload, frame):
                 yield found, message
 

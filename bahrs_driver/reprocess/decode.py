@@ -1,0 +1,47 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Decode bytes into typed messages, with the device time of each where the stream tells it."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from bahrs_driver.devices.registry import DEFAULT, DEVICES
+from bahrs_driver.devices.settings import CommonSettings
+from bahrs_driver.devices.stream_decoder import AnyDecoder
+from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.protocol.message_roles import MessageRoles
+from bahrs_driver.reprocess.decoding_faults import DecodingFaults
+from bahrs_driver.reprocess.message_times import TimedMessage, with_times
+
+
+def decode(chunks: Iterable[bytes], device: str = DEFAULT,
+           settings: CommonSettings | None = None) -> Iterator[TimedMessage]:
+    """
+    Decode a stream of bytes, cut anywhere, such as a binary file.
+
+    Yield all messages in the order of the stream. device is the value of the parameter `sensor`;
+    settings, by default those of the device, are of DEVICES[device].settings. Device time is known
+    from the time messages around a message, so that messages are held for up to 0.1 s of the
+    stream. Damaged frames and bytes outside frames are skipped.
+    """
+    spec = DEVICES[device]
+    decoder = spec.stream_decoder(settings or spec.settings())
+    return with_device_time(decode_stream(chunks, decoder, DecodingFaults()), spec.roles)
+
+
+def decode_stream(chunks: Iterable[bytes], decoder: AnyDecoder,
+                  faults: DecodingFaults) -> Iterator[tuple[Frame, Any]]:
+    """Yield the messages of a stream, each as soon as it is complete."""
+    pipeline = decoder.pipeline
+    pipeline.open()
+    for chunk in chunks:
+        yield from decoder.messages(faults.messages(pipeline.feed(chunk)))
+    yield from decoder.messages(faults.messages(pipeline.close()))
+
+
+def with_device_time(messages: Iterable[tuple[Frame, Any]], roles: MessageRoles | None
+                     ) -> Iterator[TimedMessage]:
+    """Yield the messages of a stream with their device time, None where it is unknown."""
+    if roles:
+        return with_times(messages, roles)
+    return (TimedMessage(frame, message, None) for frame, message in messages)
