@@ -7,6 +7,8 @@ READY := $(VENV)/.ready
 WORKERS ?= 4
 PARALLEL := -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 NOBLE := .venv-noble
+# Tests start hundreds of processes, each of which would compile the package again.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help setup run test check test-noble lint docs bench bench-clock bench-exits build clean
 
