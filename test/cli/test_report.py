@@ -1,22 +1,19 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of `bahrs report`, as a process."""
+"""Tests of `bahrs report`."""
 
 from argparse import Namespace
 import json
-import subprocess
 
 from bahrs_driver.cli.report import _target
 import pytest
 from support.emulated import make_emulation, on_the_wire
-from support.processes import command
+from support.in_process import run_bahrs
 
 
 def report(*words):
     """Return exit status, output and complaints."""
-    done = subprocess.run(command('bahrs', 'report', *map(str, words)), capture_output=True,
-                          text=True, timeout=300, check=False)
-    return done.returncode, done.stdout, done.stderr
+    return run_bahrs('report', *words)
 
 
 @pytest.fixture(scope='module')

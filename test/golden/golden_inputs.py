@@ -7,7 +7,6 @@ Bytes come from the command line of the emulator or from the recording. Instants
 with integers and a seeded generator, so they are the same on every machine.
 """
 
-import contextlib
 import csv
 from dataclasses import dataclass, field, replace
 import functools
@@ -15,11 +14,10 @@ import io
 import json
 from pathlib import Path
 import random
-import signal
 import tempfile
 from typing import NamedTuple
 
-from bahrs_driver.cli.main import main
+from support.in_process import run_bahrs
 from support.shared_files import shared_file
 
 BYTE_NS = 86806                     # 10 bits at 115200 baud
@@ -94,20 +92,6 @@ class Input:
         reads = self.openings[0]
         count = max(1, len(reads) * size // len(self.data))
         return replace(self, data=self.data[:size], openings=[reads[:count]])
-
-
-def run_bahrs(*words: object) -> tuple[int, str, str]:
-    """Run a verb in this process; return its exit status, standard output and error."""
-    handlers = {kind: signal.getsignal(kind) for kind in signal.valid_signals()}
-    out, error = io.StringIO(newline=''), io.StringIO()
-    try:
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(error):
-            status = main([str(word) for word in words])
-    finally:
-        for kind, handler in handlers.items():
-            if handler is not None and signal.getsignal(kind) is not handler:
-                signal.signal(kind, handler)
-    return status, out.getvalue(), error.getvalue()
 
 
 @functools.cache

@@ -9,12 +9,13 @@ import json
 import math
 from pathlib import Path
 
-from golden_inputs import as_rules, Input, make_input, RECIPES, run_bahrs
+from golden_inputs import as_rules, Input, make_input, RECIPES
 from node_path import node_path, polled_path
 import numpy as np
 from pyproj import Transformer
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import get_typestore, Stores
+from support.in_process import run_bahrs
 
 Hashes = dict[str, dict[str, object]]
 LOG_TIME_DELAY = 120_000        # ns from a read to the log time of its message
