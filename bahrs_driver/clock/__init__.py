@@ -15,12 +15,12 @@ All three implement `interface.Clock`. `estimation` has a live estimate (`tracke
 recordings, one that uses all samples (`smoother`).
 """
 
-from bahrs_driver.clock.arrival import ArrivalClock, ArrivalStamps
+from bahrs_driver.clock.arrival import ArrivalClock
 from bahrs_driver.clock.exchange import ExchangeClock
 from bahrs_driver.clock.interface import Clock, Instant, Smoothing, Stamped, TimeState
 from bahrs_driver.clock.options import ClockOptions
 from bahrs_driver.clock.sample_clock import SampleClock
 
 __all__ = [
-    'ArrivalClock', 'ArrivalStamps', 'Clock', 'ClockOptions', 'ExchangeClock', 'Instant',
-    'SampleClock', 'Smoothing', 'Stamped', 'TimeState']
+    'ArrivalClock', 'Clock', 'ClockOptions', 'ExchangeClock', 'Instant', 'SampleClock',
+    'Smoothing', 'Stamped', 'TimeState']

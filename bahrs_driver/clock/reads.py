@@ -20,7 +20,7 @@ class Reads:
         """Add steps of the host's clock to the notices."""
         self.host = HostClocks()
         self.now = Instant(0, 0)
-        self._received = 0
+        self.received = 0
         self._notices = notices
         self._chunks: deque[int] = deque(maxlen=CHUNKS)
         self.begin(0)
@@ -31,8 +31,8 @@ class Reads:
 
     def observe(self, now: Instant, received: int) -> bool:
         """Record a read; return whether the host's clock was set back before it."""
-        self._chunks.append(received - self._received)
-        self.now, self._received = now, received
+        self._chunks.append(received - self.received)
+        self.now, self.received = now, received
         self.bounds.observe_read(now.raw_ns, received)
         step = self.host.observe_read(now)
         if step:

@@ -14,7 +14,7 @@ import struct
 import sys
 from typing import ClassVar
 
-from bahrs_driver.clock import ArrivalStamps
+from bahrs_driver.clock import ArrivalClock
 from bahrs_driver.devices.parts import Converter, Parts
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.devices.settings import CommonSettings
@@ -145,7 +145,7 @@ class RangefinderSpec(DeviceSpec[CommonSettings]):
         """Return new parts for one stream."""
         timeout = settings.diagnostics.silence_timeout
         rates = RatesTask({Range.NAME: RATE}, settings.diagnostics.rate_tolerance, timeout)
-        return Parts(Framer(RangeFormat()), RangeDecoder(), ArrivalStamps(), RangeConverter(),
+        return Parts(Framer(RangeFormat()), RangeDecoder(), ArrivalClock(), RangeConverter(),
                      StreamHealth(rates), timeout, 'is the rangefinder powered?')
 
 

@@ -4,7 +4,7 @@
 
 from dataclasses import replace
 
-from bahrs_driver.clock import ArrivalStamps, SampleClock, TimeState
+from bahrs_driver.clock import ArrivalClock, SampleClock, TimeState
 from bahrs_driver.diagnostics.task import OK, WARN
 from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.protocol.bahrs.roles import ROLES
@@ -69,7 +69,7 @@ def test_values_of_a_device_that_is_asked():
     assert not {'Skew [ppm]', 'Epochs', 'Sync pulses'} & set(values)
 
 
-@pytest.mark.parametrize('clock', [ArrivalStamps(), SampleClock(ROLES)])
+@pytest.mark.parametrize('clock', [ArrivalClock(), SampleClock(ROLES)])
 def test_real_clocks_before_the_first_byte(clock):
     """Nothing is known yet, and can be shown."""
     assert values_of(made(clock), 0.0)['ROS time less device time [s]'] == 'unknown'

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the pipeline, with the frames of a BAHRS and clocks that are given or scripted."""
 
-from bahrs_driver.clock import ArrivalStamps, Instant, Stamped
+from bahrs_driver.clock import ArrivalClock, Instant, Stamped
 from bahrs_driver.pipeline import DecodingFault, Notice, Pipeline
 from bahrs_driver.pipeline.pipeline import SAMPLE_SIZE
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
@@ -44,7 +44,7 @@ class FailingDecoder(BahrsCodec):
         return None if message.sequence in self._without else message
 
 
-class ScriptedClock(ArrivalStamps):
+class ScriptedClock(ArrivalClock):
     """A clock that holds all messages until the end, and fails or gives notice if asked to."""
 
     def __init__(self):
@@ -87,7 +87,7 @@ class ScriptedClock(ArrivalStamps):
 
 def test_a_read_completes_messages_in_their_order():
     """Each comes with its frame and its stamp."""
-    pipeline = make_pipeline(clock=ArrivalStamps())
+    pipeline = make_pipeline(clock=ArrivalClock())
     pipeline.open(1000)
     events = pipeline.feed(FRAMES[0] + FRAMES[1] + FRAMES[2][:3], NOW)
     assert [(event.message.sequence, event.frame.offset, event.stamp_ns) for event in events] == [
@@ -179,7 +179,7 @@ def test_close_returns_what_was_waiting():
 
 def test_notices_come_before_the_messages_of_their_read():
     """A clock was set before they arrived."""
-    clock = ArrivalStamps()
+    clock = ArrivalClock()
     pipeline = make_pipeline(clock=clock)
     assert sequences(pipeline.feed(FRAMES[0], Instant(0, 10 ** 9))) == [0]
     notice, message = pipeline.feed(FRAMES[1], Instant(0, 10 ** 10))

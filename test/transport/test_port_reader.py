@@ -5,7 +5,7 @@
 import contextlib
 import threading
 
-from bahrs_driver.clock import ArrivalStamps, Instant
+from bahrs_driver.clock import ArrivalClock, Instant
 from bahrs_driver.pipeline import DecodingFault, Notice, Pipeline
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
@@ -68,7 +68,7 @@ class ScriptedLink:
 def make_reader(link, clock=None, log=None, **parts):
     """Return a reader that stamps with arrival."""
     pipeline = Pipeline(parts.get('framer') or Framer(BahrsFormat()),
-                        parts.get('decoder') or BahrsCodec(), clock or ArrivalStamps())
+                        parts.get('decoder') or BahrsCodec(), clock or ArrivalClock())
     return PortReader(link, parts.get('pipeline') or pipeline, FaultLog(log or str, str))
 
 
@@ -324,7 +324,7 @@ def test_no_fault_anywhere_ends_the_stream(where, turn, error):
     link = ScriptedLink([FRAMES[:3] + [b''] * 3, FRAMES[3:6], FRAMES[6:8], FRAMES[8:]])
     diary, log = Diary(), []
     parts = {'link': link, 'framer': Framer(BahrsFormat()), 'decoder': BahrsCodec(),
-             'clock': ArrivalStamps()}
+             'clock': ArrivalClock()}
     parts['pipeline'] = Pipeline(parts['framer'], parts['decoder'], parts['clock'])
     parts[part] = failing = Failing(parts[part], method, turn, error)
     if part != 'pipeline':

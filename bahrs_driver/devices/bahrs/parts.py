@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 import math
 from typing import Any
 
-from bahrs_driver.clock import ArrivalStamps, Clock, ClockOptions, SampleClock
+from bahrs_driver.clock import ArrivalClock, Clock, ClockOptions, SampleClock
 from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.bahrs import nvm_page
 from bahrs_driver.convert.bahrs.converter import BahrsConverter, BahrsOptions
@@ -60,7 +60,7 @@ def _service_messages(message: Any) -> Iterator[tuple[str, Any]]:
 def _clock(settings: BahrsSettings) -> Clock:
     source, latency = settings.time.source, round(settings.time.fixed_latency * NS_PER_S)
     if source == 'arrival':
-        return ArrivalStamps(latency)
+        return ArrivalClock(latency)
     return SampleClock(ROLES, ClockOptions(
         source, settings.time.label, latency,
         round(settings.time.sync_pulse.period * NS_PER_S),

@@ -5,7 +5,7 @@
 from collections.abc import Iterator, Mapping
 import math
 
-from bahrs_driver.clock import ArrivalStamps, Clock, ExchangeClock
+from bahrs_driver.clock import ArrivalClock, Clock, ExchangeClock
 from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.titan_m.converter import (
     TitanConverter, TitanDeviations, TitanOptions,
@@ -86,7 +86,7 @@ def _rates(settings: TitanMSettings) -> dict[type[TitanRequest], float]:
 def _clock(settings: TitanMSettings) -> Clock:
     latency = round(settings.time.fixed_latency * NS_PER_S)
     if settings.time.source == 'arrival':
-        return ArrivalStamps(latency)
+        return ArrivalClock(latency)
     return ExchangeClock(REQUEST_SIZE, latency)
 
 

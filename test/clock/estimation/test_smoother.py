@@ -4,7 +4,7 @@
 
 import random
 
-from bahrs_driver.clock import ArrivalStamps, ClockOptions, ExchangeClock, SampleClock
+from bahrs_driver.clock import ArrivalClock, ClockOptions, ExchangeClock, SampleClock
 from bahrs_driver.clock.estimation.rts_smoother import Measurement, rts_smooth
 from bahrs_driver.clock.estimation.smoother_input import SmootherInput
 from bahrs_driver.protocol.bahrs.roles import ROLES
@@ -104,7 +104,7 @@ def test_both_passes_use_new_clocks():
         assert clock.state().source == 'sync_pulse' and clock.state().epochs == 0
 
 
-@pytest.mark.parametrize('clock', [ArrivalStamps(), ExchangeClock(8)])
+@pytest.mark.parametrize('clock', [ArrivalClock(), ExchangeClock(8)])
 def test_a_clock_without_an_estimate_needs_one_pass(clock):
     """Nothing can be smoothed."""
     assert clock.smoothing() is None
