@@ -20,7 +20,7 @@ def arrivals(byte_time, *reads):
 
 @pytest.mark.parametrize('baud_rate, expected', [(115200, 86805), (9600, 1041666), (0, 0)])
 def test_byte_time(baud_rate, expected):
-    """Ten bits a byte; a line without a rate takes no time."""
+    """Ten bits per byte; 0 without a baud rate."""
     assert byte_time_ns(baud_rate) == expected
 
 
@@ -29,8 +29,8 @@ def test_byte_time(baud_rate, expected):
     (5_000_000_000, 48, 4_995_833_360),     # a frame with as many bytes after it
     (5_000_000_000, 0, 5_000_000_000),
 ])
-def test_stamp_is_the_read_less_the_time_on_the_line(read_time, bytes_since, expected):
-    """From the frame's first byte to the chunk's last."""
+def test_stamp_is_the_read_minus_the_transmission_time(read_time, bytes_since, expected):
+    """From the first byte of the frame to the last byte of the chunk."""
     assert arrivals(86805, (read_time, bytes_since)) == [expected]
 
 
@@ -40,18 +40,18 @@ def test_without_a_line_rate_the_stamp_is_the_read():
 
 
 def test_stamps_increase_strictly():
-    """Also when two chunks come in quick succession, or frames have the same time."""
+    """Even if two chunks arrive in quick succession, or frames have the same time."""
     assert arrivals(100, (1000, 5), (1001, 9), (1001, 9), (5000, 0)) == [500, 501, 502, 5000]
 
 
 def test_a_host_clock_that_is_set_back_is_followed():
-    """By more than a second; stamps go on from there."""
+    """If it was set by more than a second."""
     times = [9_000_000_000, 7_000_000_000, 7_000_000_001]
     assert arrivals(0, *((time, 0) for time in times)) == times
 
 
-def test_a_step_of_the_host_is_told_and_followed_at_once():
-    """Backward by half a second, too: stamps are what the host's clock says."""
+def test_a_step_of_the_host_clock_is_reported_and_followed_at_once():
+    """Even backward by half a second."""
     clock, stamps = ArrivalClock(), []
     for index, (raw, ros) in enumerate([(0, 9_000), (10, 9_010), (20, 8_520), (30, 8_530)]):
         clock.observe_read(Instant(raw * 1_000_000, ros * 1_000_000), index + 1)

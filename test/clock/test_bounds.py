@@ -1,12 +1,12 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what reads say of a frame, with literal numbers: a byte takes 100 ns."""
+"""Tests of the bounds of frames, with literal numbers: a byte takes 100 ns."""
 
 from bahrs_driver.clock.bounds import ByteBounds, MAX_READS
 
 
 def bounds(*reads):
-    """Return bounds that have seen reads: time, bytes received so far."""
+    """Return the bounds by reads, each with its time and the bytes received by then."""
     made = ByteBounds(100)
     for read in reads:
         made.observe_read(*read)
@@ -14,33 +14,33 @@ def bounds(*reads):
 
 
 def test_a_frame_that_ends_its_chunk():
-    """Its own bytes were on the line after its beginning."""
+    """Its own bytes were transmitted after its beginning."""
     assert bounds((10_000, 28)).bound(0) == 10_000 - 2800
 
 
 def test_a_frame_with_bytes_after_it():
-    """They too."""
+    """Those bytes were transmitted after its beginning as well."""
     both = bounds((10_000, 56))
     assert [both.bound(0), both.bound(28)] == [10_000 - 5600, 10_000 - 2800]
 
 
-def test_a_frame_cut_by_a_read_is_known_better():
-    """The read that saw five bytes of it was in time; the one that saw the end was not."""
+def test_a_frame_cut_by_a_read_has_a_tighter_bound():
+    """The read of its first five bytes was in time; the read of its end was late."""
     assert bounds((10_000, 5), (90_000, 28)).bound(0) == 10_000 - 500
 
 
-def test_a_late_read_does_not_hide_an_early_one_after_it():
-    """The smallest bound counts, whichever read gave it."""
+def test_an_early_read_after_a_late_one_counts():
+    """The smallest bound of any read counts."""
     assert bounds((10_000, 5), (10_050, 28)).bound(0) == 10_050 - 2800
 
 
-def test_a_read_before_the_frame_says_nothing_of_it():
+def test_a_read_before_the_frame_gives_no_bound():
     """However early it was."""
     assert bounds((1_000, 28), (50_000, 56)).bound(28) == 50_000 - 2800
 
 
-def test_memory_is_bounded_and_what_is_left_is_true():
-    """A flood of reads without a frame."""
+def test_memory_is_bounded_and_bounds_stay_true():
+    """Many reads bring no frame."""
     made = bounds(*((1000 * index, index) for index in range(1, 10 * MAX_READS)))
     assert made.bound(0) >= 1000 - 100
     assert made.bound(10 * MAX_READS - 2) == 1000 * (10 * MAX_READS - 1) - 100

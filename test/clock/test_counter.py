@@ -1,13 +1,13 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of counting samples on, with literal counters; bounds are in units of a period."""
+"""Tests of counting samples, with literal counters; bounds are in periods."""
 
 from bahrs_driver.clock.counter import PERIOD, SampleCounter
 import pytest
 
 
 def counted(*frames, latest=None):
-    """Return the counts given to frames, each a counter and a bound in periods."""
+    """Return the counts of frames, each given as its counter and its bound in periods."""
     counter, counts = SampleCounter(), []
     for sequence, periods in frames:
         bound = round(periods * PERIOD)
@@ -19,36 +19,36 @@ def counted(*frames, latest=None):
 
 
 def test_in_order_over_the_end_of_the_counter():
-    """255 is followed by 0."""
+    """The counter wraps from 255 to 0."""
     assert counted(*((i % 256, i) for i in range(250, 260))) == list(range(10))
 
 
 @pytest.mark.parametrize('lost', [1, 2, 19, 100])
 def test_lost_frames_are_counted(lost):
-    """As long as so much time has passed."""
+    """If enough time has passed."""
     assert counted((7, 0), ((8 + lost) % 256, 1 + lost)) == [0, 1 + lost]
 
 
 @pytest.mark.parametrize('damaged', [7, 6, 200, 107])
-def test_a_damaged_counter_costs_nothing_after_it(damaged):
-    """Ahead of time, or behind."""
+def test_a_corrupted_counter_does_not_affect_the_next_frames(damaged):
+    """Whether it is ahead or behind."""
     counts = counted((7, 0), (8, 1), (damaged, 2), (10, 3), (11, 4), latest=int)
     assert counts[:2] == [0, 1] and counts[3:] == [3, 4]
     assert counts[2] in (1, 2)
 
 
-def test_a_damaged_counter_that_seemed_right_is_found_out_by_the_next():
-    """Late frames leave room for one or two that were lost."""
+def test_the_next_counter_reveals_a_plausible_corrupted_one():
+    """A late frame allows for one or two lost frames."""
     assert counted((7, 0), (8, 1), (11, 6), (10, 6), (11, 6), latest=int) == [0, 1, 4, 3, 4]
 
 
-def test_a_frame_that_comes_twice():
+def test_a_repeated_frame():
     """It is the same sample."""
     assert counted((7, 0), (8, 1), (8, 1), (9, 2), latest=int) == [0, 1, 1, 2]
 
 
-def test_three_that_make_no_sense_are_a_loss():
-    """The device was restarted, perhaps."""
+def test_three_implausible_counters_are_a_loss():
+    """The device may have been restarted."""
     counter = SampleCounter()
     for index, sequence in enumerate((7, 107, 108, 109)):
         assert not counter.lost
@@ -57,7 +57,7 @@ def test_three_that_make_no_sense_are_a_loss():
 
 
 def test_silence():
-    """Of nearly as long as a device takes to start."""
+    """A silence of nearly the start-up time of a device."""
     counter = SampleCounter()
     assert not counter.silence_before(10 ** 12)
     counter.add(0, 0, None)
@@ -68,7 +68,7 @@ def test_silence():
 @pytest.mark.parametrize('sequence, periods, far', [
     (1, 1, False), (20, 20, False), (40, 40, True), (40, 5, False), (250, 3, False)])
 def test_far(sequence, periods, far):
-    """Where so much is missing, and time enough has passed, another counter may go on."""
+    """If many samples are missing and enough time has passed, the device may have restarted."""
     counter = SampleCounter()
     assert not counter.is_far(sequence, 0, None)
     counter.add(0, 0, None)
@@ -76,7 +76,7 @@ def test_far(sequence, periods, far):
 
 
 def test_nearest():
-    """Time messages name samples around the latest one."""
+    """Time messages name samples near the latest one."""
     counter = SampleCounter()
     counter.add(250, 0, None)
     assert [counter.latest.nearest(sequence) for sequence in (250, 251, 249, 3, 130)] == [

@@ -37,7 +37,7 @@ def test_timeline_before_and_after_its_anchor():
 
 
 def test_timeline_takes_the_period_from_the_slope():
-    """Half a percent slow; the next message must fit that, not the nominal period."""
+    """Half a percent too long; the next message must fit it rather than the nominal period."""
     line = Timeline(0, 0)
     for index in range(1, 4):
         assert line.agrees(20 * index, 100_500_000 * index)
@@ -47,13 +47,13 @@ def test_timeline_takes_the_period_from_the_slope():
     assert not line.agrees(80, 400_000_000)
 
 
-def test_timeline_does_not_believe_a_wild_slope():
-    """More than 3 % from nominal is no period of this device."""
+def test_timeline_rejects_an_implausible_slope():
+    """A device deviates by 3 % from the nominal period at most."""
     assert not Timeline(0, 0).agrees(20, 104_000_000)
 
 
 def device(samples=1):
-    """Return device time that has seen samples."""
+    """Return device time after some samples."""
     made = DeviceTime('same')
     for index in range(samples):
         made.counter.add(index, index * PERIOD, None)
@@ -61,7 +61,7 @@ def device(samples=1):
 
 
 def verdicts(made, *messages):
-    """Return what each time message means: count, time, lateness."""
+    """Return the verdict on each time message: count, time, lateness."""
     return [made.add_time(*message) for message in messages]
 
 
@@ -69,14 +69,14 @@ KNOWN, NEW, DOUBTED = Verdict.KNOWN, Verdict.NEW_EPOCH, Verdict.DOUBTED
 
 
 def test_two_that_agree_begin_the_first_epoch():
-    """One may be wrong."""
+    """A single one may be wrong."""
     made = device()
     assert verdicts(made, (0, START, None), (20, START + 20 * PERIOD, None)) == [DOUBTED, NEW]
     assert made.known and made.time_of(40) == START + 40 * PERIOD
 
 
 def test_one_wrong_message_is_outvoted():
-    """By the next; nothing is known in between."""
+    """By the next one; device time is not known in between."""
     made = device()
     verdicts(made, (0, START, None), (20, START + 20 * PERIOD, None))
     assert verdicts(made, (40, 77_000_000_000, -10 ** 10)) == [DOUBTED]
@@ -94,8 +94,8 @@ def test_two_that_contradict_and_agree_are_a_restart():
     assert made.time_of(60) == START + 20 * PERIOD
 
 
-def test_two_that_tell_of_lost_counts_are_no_new_epoch():
-    """By the host's clock their time is right."""
+def test_two_after_lost_counts_are_no_new_epoch():
+    """The host's clock confirms their time."""
     made = device()
     verdicts(made, (0, START, None), (20, START + 20 * PERIOD, None))
     assert verdicts(made, (40, START + 296 * PERIOD, 50_000),
@@ -103,7 +103,7 @@ def test_two_that_tell_of_lost_counts_are_no_new_epoch():
 
 
 def test_after_silence_one_is_enough_if_the_hosts_clock_agrees():
-    """The device was but unplugged."""
+    """The device was unplugged, and not switched off."""
     made = device()
     verdicts(made, (0, START, None), (20, START + 20 * PERIOD, None))
     made.jump_count(100, 10 ** 10)
@@ -114,7 +114,7 @@ def test_after_silence_one_is_enough_if_the_hosts_clock_agrees():
 
 
 def test_navigation_goes_with_the_inertial_sample_of_its_time():
-    """Half as many, and after a turn of the counter, too."""
+    """Also after the counter wrapped."""
     made = device(5)
     made.pair(2)
     assert made.navigation.count(2, made.counter.latest) == 4

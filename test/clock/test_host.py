@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the host's two clocks, with literal pairs in ns."""
+"""Tests of the two clocks of the host, with literal pairs in ns."""
 
 from bahrs_driver.clock import Instant
 from bahrs_driver.clock.host import HostClocks
@@ -11,7 +11,7 @@ MS = 1_000_000
 
 
 def test_constant_offset():
-    """Before the first read and after the last, too."""
+    """Even before the first read and after the last."""
     host = HostClocks()
     assert host.observe_read(Instant(0, ROS)) == 0
     assert host.observe_read(Instant(16 * MS, ROS + 16 * MS)) == 0
@@ -20,7 +20,7 @@ def test_constant_offset():
 
 
 def test_a_slew_is_followed_straight_between_two_reads():
-    """500 ppm over 16 ms are 8 us, half of it in the middle."""
+    """At 500 ppm it is 8 us in 16 ms, and half of that in the middle."""
     host = HostClocks()
     host.observe_read(Instant(0, ROS))
     assert host.observe_read(Instant(16 * MS, ROS + 16 * MS + 8000)) == 0
@@ -29,14 +29,14 @@ def test_a_slew_is_followed_straight_between_two_reads():
 
 
 def test_the_fastest_slew_is_no_step():
-    """Chrony goes at 8.3 % when it must."""
+    """Chrony slews at 8.3 % at most."""
     host = HostClocks()
     host.observe_read(Instant(0, ROS))
     assert host.observe_read(Instant(100 * MS, ROS + 108 * MS)) == 0
 
 
 def test_a_step_is_followed_at_once_and_told():
-    """Also by what was measured before it and read after it."""
+    """Even for samples measured before it and read after it."""
     host = HostClocks()
     host.observe_read(Instant(0, ROS))
     assert host.observe_read(Instant(16 * MS, ROS + 516 * MS)) == 500 * MS

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of sentences about clocks that wait for somebody who takes them."""
+"""Tests of the queue of notices."""
 
 from bahrs_driver.clock.notices import KEPT, Notices
 
@@ -14,7 +14,7 @@ def test_each_is_taken_once():
 
 
 def test_the_latest_are_kept():
-    """When nobody takes them, as where a capture is only looked at."""
+    """If they are not taken, as in the first pass over a capture."""
     notices = Notices()
     for number in range(1000):
         notices.add(str(number))

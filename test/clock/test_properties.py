@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whatever comes, the clock does not raise, keeps its promises, and recovers."""
+"""For any input, the clock does not raise, keeps its promises, and recovers."""
 
 from bahrs_driver.clock import ClockOptions, Instant, SampleClock
 from bahrs_driver.clock.held import MESSAGES_PER_SAMPLE
@@ -34,8 +34,8 @@ reads = st.tuples(st.integers(0, 3 * 10 ** 9), st.integers(-10 ** 9, 10 ** 9),
 
 @settings(max_examples=300)
 @given(st.lists(reads, max_size=40))
-def test_nothing_that_comes_raises_or_breaks_the_promises(all_reads):
-    """Any messages, at any times, on a host whose clock jumps about."""
+def test_no_input_raises_or_breaks_the_promises(all_reads):
+    """Any messages at any times, on a host whose clock is set at random."""
     clock = SampleClock(ROLES)
     clock.begin(86_805)
     raw, ros, received = 10 ** 9, 10 ** 18, 0
@@ -51,7 +51,7 @@ def test_nothing_that_comes_raises_or_breaks_the_promises(all_reads):
 
 
 def test_a_device_that_only_navigates_is_stamped_with_arrival():
-    """Nothing waits for ever, nor without bounds, for a sample that never comes."""
+    """Messages do not wait forever for a sample that never comes."""
     clock, stamped = SampleClock(ROLES), []
     clock.begin(0)
     for index in range(1000):
@@ -70,8 +70,8 @@ rates = st.sampled_from([0.0, 0.003, 0.01])
 @given(seed=st.integers(0, 10 ** 6), adapter=st.sampled_from([0.016, 0.001, 'packets', 'plain']),
        drift=st.floats(-200, 200), label=st.sampled_from([0, 1]), loss=rates, bad_counters=rates,
        bad_times=rates, duplicates=rates, swaps=rates)
-def test_any_faults_are_explained_and_recovered_from(seed, adapter, drift, label, **faults):
-    """A stamp is off by no more than the drop-outs explain, and all is well after them."""
+def test_any_faults_have_bounded_effects_and_end(seed, adapter, drift, label, **faults):
+    """The error of a stamp is that of the lost samples at most, and small after the faults."""
     outcome = simulated(Case(15.0, adapter, drift_ppm=drift, label=label,
                              faults_until=FAULTS_END, **faults), seed)
     assert outcome.backward == outcome.future == 0

@@ -24,7 +24,7 @@ class Recorded(Sent):
 
 @pytest.fixture(scope='module')
 def messages():
-    """Give the messages of the recording's first minute."""
+    """Return the messages of the recording's first minute."""
     data = shared_file('data/bahrs_recording_v2.bin').read_bytes()[:SECONDS * 7900]
     codec = BahrsCodec()
     return [codec.decode(frame) for frame in Framer(BahrsFormat()).feed(data)]
@@ -44,7 +44,7 @@ def sent(messages):
 
 @pytest.mark.parametrize('adapter', [0.016, 'packets', 'plain'])
 def test_real_stream(messages, adapter):
-    """Label, period, settling, epochs, order: as the device is."""
+    """Check the convention, period, settling, epochs and order."""
     simulation, clock = Simulation(Case(adapter=adapter), 1), SampleClock(ROLES)
     clock.begin(BYTE_TIME)
     stamps, paired, samples, time_messages, settled_after = [], {}, 0, 0, None

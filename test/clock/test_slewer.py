@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the last step to a stamp, with literal numbers in ns."""
+"""Tests of stamps by estimates, with literal numbers in ns."""
 
 from bahrs_driver.clock import Instant
 from bahrs_driver.clock.host import HostClocks
@@ -21,21 +21,21 @@ def slewer(latency=0):
 
 
 def stamps(made, targets, start=0, bound=FAR):
-    """Return stamps less ROS of samples a period apart, with these estimates in ns."""
+    """Return stamps minus ROS of samples a period apart, by these estimates in ns."""
     now = Instant(FAR, ROS + FAR)
     return [made.stamp(index * PERIOD, target, 0.0, bound, now) - ROS
             for index, target in enumerate(targets, start)]
 
 
 def test_a_steady_estimate_is_the_stamp():
-    """Less the fixed latency."""
+    """Minus the fixed latency."""
     targets = [100 * MS + index * PERIOD for index in range(3)]
     assert stamps(slewer(), targets) == targets
     assert stamps(slewer(latency=250), targets) == [target - 250 for target in targets]
 
 
 def test_a_correction_is_spread_over_time():
-    """At 500 ppm once settled: 2.5 us in 5 ms."""
+    """At 500 ppm once settled, which is 2.5 us per 5 ms."""
     made = slewer()
     stamps(made, [index * PERIOD for index in range(700)])
     moved = stamps(made, [700 * PERIOD + 6000, 701 * PERIOD + 6000, 702 * PERIOD + 6000], 700)
@@ -43,19 +43,19 @@ def test_a_correction_is_spread_over_time():
 
 
 def test_at_the_start_corrections_are_fast():
-    """At 10 %: half a millisecond in 5 ms."""
+    """At 10 %, which is half a millisecond per 5 ms."""
     assert stamps(slewer(), [0, PERIOD - 600_000]) == [0, PERIOD - 500_000]
 
 
 def test_stamps_increase_strictly():
-    """Whatever the estimate does."""
+    """For any estimates."""
     made = slewer()
     assert [made.stamp_arrival(raw) - ROS for raw in (1000, 1000, 900, 5000)] == [
         1000, 1001, 1002, 5000]
 
 
 def test_no_stamp_is_later_than_the_bytes_prove():
-    """Even while it follows slowly."""
+    """Even while stamps slew."""
     made = slewer()
     stamps(made, [index * PERIOD for index in range(700)])
     assert stamps(made, [700 * PERIOD - MS], 700, bound=700 * PERIOD - MS + 10) == [
@@ -63,7 +63,7 @@ def test_no_stamp_is_later_than_the_bytes_prove():
 
 
 def test_a_time_after_its_own_read_is_no_stamp():
-    """By more than a millisecond it cannot be."""
+    """If it is later by more than a millisecond."""
     made = slewer()
     now = Instant(50 * MS, ROS + 50 * MS)
     assert made.stamp(0, 52 * MS, 0.0, 49 * MS, now) is None
@@ -71,7 +71,7 @@ def test_a_time_after_its_own_read_is_no_stamp():
 
 
 def test_only_a_host_that_was_set_back_is_followed_backward():
-    """All others on that host go by the new time, too."""
+    """All nodes of that host use the new time."""
     host = HostClocks()
     made = StampSlewer(host, 0)
     host.observe_read(Instant(0, ROS))
@@ -83,7 +83,7 @@ def test_only_a_host_that_was_set_back_is_followed_backward():
 
 @pytest.mark.parametrize('skew', [-100e-6, 100e-6])
 def test_skew_is_no_correction(skew):
-    """The estimate moves on with it, and so do stamps."""
+    """Stamps follow the skew of the estimate without slewing."""
     made, now = slewer(), Instant(FAR, ROS + FAR)
     for index in range(1000):
         device = index * PERIOD

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""A driver that was not let run for seconds: what waited for it is of the time it was sent."""
+"""A driver that did not run for seconds: buffered messages keep the time they were sent."""
 
 from clock_simulation import Case, ORIGIN, Read, Simulation
 import pytest
@@ -11,16 +11,16 @@ TERMINAL, SOCKET = 4096, 10 ** 6        # bytes that wait in the system
 
 
 class Stalled(Simulation):
-    """Nobody reads for a while: as much as the system holds comes in one read, the rest never."""
+    """No reads for a while: then one read of all that the system buffered; the rest is lost."""
 
     def __init__(self, case, seed, stall, buffer):
-        """Take the seconds of the stall, and what waits meanwhile."""
+        """Stall for some seconds, with a buffer of some bytes."""
         super().__init__(case, seed)
         self._begin, self._end = (ORIGIN + round(s * 1e9) for s in (BEGIN, BEGIN + stall))
         self._buffer = buffer
 
     def reads(self):
-        """Return the reads in order."""
+        """Yield the reads in order."""
         before, missed, waiting = 0, 0, []
         for now, received, messages in super().reads():
             if now.raw_ns < self._begin:
@@ -46,7 +46,7 @@ class Stalled(Simulation):
 @pytest.mark.parametrize('stall, buffer', [
     (0.9, TERMINAL), (1.5, TERMINAL), (3.1, TERMINAL), (9.0, TERMINAL), (3.1, SOCKET)])
 def test_a_driver_that_stood_still(stall, buffer, adapter):
-    """No stamp moves, and nobody is told that the device was restarted."""
+    """No stamp jumps, and no restart of the device is reported."""
     outcome = simulated(Case(16.0 + stall, adapter, drift_ppm=80.0), simulation=lambda case, seed:
                         Stalled(case, seed, stall, buffer))
     assert max(map(abs, outcome.within(3))) < 500

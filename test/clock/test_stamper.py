@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which stamp each kind of message gets, with literal times through the whole clock."""
+"""Tests of the stamp of each type of message, with literal times."""
 
 from bahrs_driver.clock import Instant, SampleClock
 from bahrs_driver.protocol.bahrs.messages import Inertial, InertialTime, Navigation, SyncPulseTime
@@ -16,7 +16,7 @@ LATE_US = 3000
 
 
 def inertial(count):
-    """Return the inertial message of a sample."""
+    """Return the inertial message of a count."""
     return Inertial(count % 256, (), (), ())
 
 
@@ -26,7 +26,7 @@ def navigation(count):
 
 
 def stream(samples, extra):
-    """Yield, for each sample, its messages in the order of the wire; extra come last."""
+    """Yield the messages of each sample in the order of the line; extra ones come last."""
     for count in range(samples):
         messages = [inertial(count)]
         if count % 20 == 0:
@@ -37,7 +37,7 @@ def stream(samples, extra):
 
 
 def stamps(samples, extra):
-    """Return (message, stamp less the stamp of device time 0 in us), one read a sample."""
+    """Return (message, stamp minus that of device time 0 in us), one read per sample."""
     clock, stamped, received = SampleClock(ROLES), [], 0
     clock.begin(0)
     for count, messages in enumerate(stream(samples, extra)):
@@ -53,7 +53,7 @@ def stamps(samples, extra):
 
 @given(count=st.integers(40, 99), early_us=st.integers(0, PERIOD_US))
 def test_a_pulse_has_a_time_of_its_own(count, early_us):
-    """However close to a sample it was."""
+    """However near a sample it was."""
     time = START_US + count * PERIOD_US - early_us
     pulse = SyncPulseTime(0, time)
     (found,) = (stamp for message, stamp in stamps(100, {count: [pulse]}) if message is pulse)
@@ -61,7 +61,7 @@ def test_a_pulse_has_a_time_of_its_own(count, early_us):
 
 
 def test_messages_of_one_sample_share_its_stamp():
-    """An inertial and a navigation message, and the time message about it."""
+    """An inertial, a navigation and a time message."""
     for message, stamp in stamps(100, {}):
         if isinstance(message, InertialTime):
             assert abs(stamp - message.device_time_us) < 0.01
@@ -71,8 +71,8 @@ def test_messages_of_one_sample_share_its_stamp():
     assert sorted(map(len, by_sample.values())) == [1] * 50 + [2] * 45 + [3] * 5
 
 
-def test_frames_that_come_twice_increase_strictly():
-    """Within each kind; the time is the same but for a nanosecond."""
+def test_stamps_of_repeated_frames_increase_strictly():
+    """Within each type; the times differ by a nanosecond only."""
     again = {50: [inertial(50), navigation(50), SyncPulseTime(0, START_US + 50 * PERIOD_US - 100),
                   SyncPulseTime(0, START_US + 50 * PERIOD_US - 100)]}
     stamped = stamps(100, again)

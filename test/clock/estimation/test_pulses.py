@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of synchronisation pulses, with literal pairs."""
+"""Tests of sync pulses, with literal pairs."""
 
 from bahrs_driver.clock import Instant
 from bahrs_driver.clock.estimation.pulses import DelayEstimate, PulseReference, PulseTracker
@@ -14,7 +14,7 @@ OFFSET = 7 * S + 123
 
 
 def fed(*pulses, tracker=None):
-    """Return a tracker that has seen pulses: second, and error of the host's time in us."""
+    """Return a tracker after some pulses: second, and error of the host time in us."""
     tracker = tracker or PulseTracker(S)
     for second, error in pulses:
         tracker.feed(second * S, second * S + OFFSET + error * 1000, 0.0, 20e-6)
@@ -22,7 +22,7 @@ def fed(*pulses, tracker=None):
 
 
 def test_settled_after_three():
-    """And exact."""
+    """Without an error of the pulses there is none of the tracker."""
     tracker = fed((1, 0), (2, 0))
     assert not tracker.settled
     fed((3, 0), tracker=tracker)
@@ -30,20 +30,20 @@ def test_settled_after_three():
 
 
 def test_a_spurious_pulse_is_counted_and_has_no_effect():
-    """Anything may come in on a wire."""
+    """Interference on a wire may look like a pulse."""
     tracker = fed((1, 0), (2, 0), (3, 0), (4, 5000), (5, 0))
     assert (tracker.accepted, tracker.spurious, tracker.missing) == (4, 1, 0)
     assert tracker.host_time(6 * S) == pytest.approx(6 * S + OFFSET, abs=100)
 
 
 def test_missing_pulses_are_counted():
-    """Three between 3 and 7."""
+    """There are three between 3 and 7."""
     tracker = fed((1, 0), (2, 0), (3, 0), (7, 0))
     assert tracker.missing == 3 and tracker.settled
 
 
-def test_four_misses_in_a_row_begin_anew():
-    """The line may have been cut."""
+def test_four_misses_in_a_row_restart_the_tracker():
+    """The cable may be disconnected."""
     tracker = fed((1, 0), (2, 0), (3, 0))
     assert not tracker.check_timeout(7 * S)
     assert tracker.check_timeout(8 * S)
@@ -51,8 +51,8 @@ def test_four_misses_in_a_row_begin_anew():
     assert not tracker.check_timeout(9 * S)
 
 
-def test_four_misfits_in_a_row_are_the_new_truth():
-    """The host's clock was set."""
+def test_four_misfits_in_a_row_are_accepted():
+    """The host's clock may have been set."""
     tracker = fed((1, 0), (2, 0), (3, 0), *((second, 300_000) for second in range(4, 10)))
     assert tracker.settled
     assert tracker.host_time(10 * S) == pytest.approx(10 * S + OFFSET + 300_000_000, abs=1000)
@@ -61,12 +61,12 @@ def test_four_misfits_in_a_row_are_the_new_truth():
 @pytest.mark.parametrize('about, expected', [
     (10 * S + 16_000_000, 10 * S), (10 * S - 400_000_000, 10 * S), (10 * S, 10 * S)])
 def test_the_nearest_whole_second(about, expected):
-    """Of a host that is disciplined by the same receiver."""
+    """A host disciplined by the same receiver needs no external times."""
     assert PulseReference(S, external=False).find(about) == expected
 
 
-def test_times_that_are_told():
-    """The nearest within half a period, if any."""
+def test_external_times():
+    """The nearest one within half a period counts."""
     reference = PulseReference(S, external=True)
     assert reference.find(5 * S) is None
     reference.add(4 * S + 250_000_000)
@@ -76,7 +76,7 @@ def test_times_that_are_told():
 
 
 def test_delay_is_a_median():
-    """One that is far off does not move it."""
+    """A single outlier does not affect it."""
     delay = DelayEstimate()
     assert delay.value is None
     for value in (50, 52, 9_000_000, 51, 49):
@@ -84,8 +84,8 @@ def test_delay_is_a_median():
     assert delay.value == 51
 
 
-def test_a_pulse_that_contradicts_the_bytes_is_not_believed():
-    """It would make samples later than their reads: the host is not on the pulses' time."""
+def test_a_pulse_that_contradicts_the_bounds_is_rejected():
+    """Samples would be later than their reads: the host's clock is not that of the pulses."""
     passive, host, pulses = Tracker(), HostClocks(), SyncPulses(True, S, False)
     host.observe_read(Instant(0, 0))
     for second in range(1, 6):

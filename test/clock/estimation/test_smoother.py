@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of time known from both sides, against the live clock and simulated truth."""
+"""Tests of the smoother, against the live clock and simulated truth."""
 
 import random
 
@@ -16,8 +16,8 @@ S = 1_000_000_000
 SAMPLE = 5_000_000
 
 
-def lines(samples):
-    """Return what a survey knows of (device time, bound) pairs in the end."""
+def smoothed(samples):
+    """Return the smoothed estimate by (device time, bound) pairs."""
     first_pass = SmootherInput()
     first_pass.restart()
     for device, bound in samples:
@@ -29,15 +29,15 @@ def lines(samples):
 
 
 def test_smoother_of_a_straight_line():
-    """Without noise it is found as it is."""
+    """Without noise the error is rounding."""
     items = [Measurement(i * S, 1000.0 + 2e-5 * i * S, 100.0) for i in range(50)]
     for item, (offset, skew) in zip(items, rts_smooth(items, 1e12)):
         assert offset == pytest.approx(item.offset, abs=1.0)
         assert skew == pytest.approx(2e-5, abs=1e-8)
 
 
-def test_smoother_looks_both_ways():
-    """It is closer to a noisy line than its measurements, and so is its beginning."""
+def test_smoother_uses_both_sides():
+    """It is closer to the line than the noisy measurements, even at the beginning."""
     source = random.Random(1)
     items = [Measurement(i * S, source.gauss(0, 1e5), 1e10) for i in range(400)]
     offsets = [offset for offset, _ in rts_smooth(items, 1e14)]
@@ -45,8 +45,8 @@ def test_smoother_looks_both_ways():
     assert max(map(abs, offsets[:20])) < 5e4
 
 
-def test_smoother_may_jump_where_it_is_told():
-    """And nowhere else."""
+def test_smoother_jumps_where_the_model_allows_it():
+    """It does not jump anywhere else."""
     items = [Measurement(i * S, 1e6 * (i >= 20), 100.0, 1e14 * (i == 20)) for i in range(40)]
     for item, (offset, _) in zip(items, rts_smooth(items, 1e12)):
         assert offset == pytest.approx(item.offset, abs=100.0)
@@ -60,7 +60,7 @@ def test_smoother_may_jump_where_it_is_told():
 ], ids=['16 ms', 'packets', '1 ms', 'overload', 'early overload', 'restart', 'loss',
         'bad counters', 'drift', 'pause'])
 def test_better_than_live(case):
-    """From the first second to the last, in whatever case."""
+    """From the first second to the last, in each case."""
     first_pass = SmootherInput()
     live = simulated(case, 7, estimate=first_pass)
     smooth = simulated(case, 7, estimate=first_pass.smoothed())
@@ -72,33 +72,33 @@ def test_better_than_live(case):
 
 
 def test_the_path_changes():
-    """For good, by two milliseconds, either way: both levels are found, near the change, too."""
+    """By two milliseconds, up or down: both levels are found, even near the change."""
     for first, second in ((0, 2_000_000), (2_000_000, 0)):
         samples = [(i * SAMPLE, i * SAMPLE + 10 ** 12 + (first if i < 20_000 else second))
                    for i in range(40_000)]
-        smooth = lines(samples)
+        smooth = smoothed(samples)
         for index in (0, 10_000, 19_000, 21_000, 39_999):
             device, bound = samples[index]
             assert abs(smooth.host_time(device) - bound) < 30_000
 
 
 def test_a_sample_from_the_future():
-    """One that is alone is not believed."""
+    """A single early sample is rejected."""
     samples = [(i * SAMPLE, i * SAMPLE + 10 ** 12 - 50_000_000 * (i == 5000))
                for i in range(10_000)]
-    smooth = lines(samples)
+    smooth = smoothed(samples)
     assert max(abs(smooth.host_time(device) - device - 10 ** 12)
                for device, _ in samples) < 30_000
 
 
 def test_few_samples():
-    """One is enough for a line."""
-    smooth = lines([(0, 1000)])
+    """One sample is enough for a curve."""
+    smooth = smoothed([(0, 1000)])
     assert smooth.started and smooth.host_time(S) == S + 1000
 
 
 def test_both_passes_use_new_clocks():
-    """With the same options."""
+    """They have the same options."""
     smoothing = SampleClock(ROLES, ClockOptions(source='sync_pulse')).smoothing()
     for clock in (smoothing.first_pass, smoothing.second_pass()):
         assert clock.state().source == 'sync_pulse' and clock.state().epochs == 0
@@ -111,24 +111,24 @@ def test_a_clock_without_an_estimate_needs_one_pass(clock):
 
 
 @pytest.mark.parametrize('late_us', [100, 250, 500, 3000])
-def test_a_late_beginning_leads_nobody_astray(late_us):
-    """Nothing waits where everything is read in time, but the first samples often do."""
+def test_a_late_beginning_does_not_affect_the_rest(late_us):
+    """The first samples are often late, even if all others are read in time."""
     source = random.Random(late_us)
     samples = [(index * 5_000_000, 10 ** 12 + round(
         index * 5_000_000 * (1 - 30e-6) + source.uniform(0, 30_000)
         + (late_us * 1000 if index < 90 else 0))) for index in range(4000)]
-    line = lines(samples)
+    smooth = smoothed(samples)
     for index in range(0, 4000, 100):
         device = index * 5_000_000
-        error = line.host_time(device) - 10 ** 12 - device * (1 - 30e-6)
+        error = smooth.host_time(device) - 10 ** 12 - device * (1 - 30e-6)
         assert abs(error) < 25_000, index
 
 
-def test_a_short_epoch_of_late_samples_is_left_again():
+def test_a_short_epoch_of_late_samples_ends():
     """
-    A host that is seconds behind may look like a device whose clock was set, twice.
+    A host that is seconds late may look like a device whose clock was set twice.
 
-    The samples in between tell of a clock that runs wild, and what follows is none of theirs.
+    The curve of the samples in between has a wrong slope, and must not be used after them.
     """
     first_pass, truth = SmootherInput(), 10 ** 12
     epochs = [(0, 20_000, 0), (20_000, 21_000, 1_400_000_000), (21_000, 40_000, 700_000_000)]

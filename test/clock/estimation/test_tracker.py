@@ -15,7 +15,7 @@ SECOND = 200            # samples
 
 
 def fed(delays, skew=0.0, tracker=None, start=0):
-    """Return a tracker that has seen samples with these delays in us."""
+    """Return a tracker after samples with these delays in us."""
     tracker = tracker or Tracker()
     for index, delay in enumerate(delays, start):
         device = index * PERIOD
@@ -24,30 +24,30 @@ def fed(delays, skew=0.0, tracker=None, start=0):
 
 
 def error(tracker, count, skew=0.0):
-    """Return by how many us host time is wrong at a count."""
+    """Return the error of the host time at a count, in us."""
     device = count * PERIOD
     return (tracker.host_time(device) - OFFSET - round(device * (1 + skew))) / 1000
 
 
 def noise(count, seed=1):
-    """Return delays from 0 to 8 ms, as an adapter makes them."""
+    """Return delays from 0 to 8 ms, like those of an adapter."""
     source = random.Random(seed)
     return [source.uniform(0, 8000) for _ in range(count)]
 
 
 def test_first_sample():
-    """It is all that is known."""
+    """Its bound is the estimate."""
     assert error(fed([70]), 0) == 70
 
 
 def test_the_first_half_second_follows_the_minimum():
-    """Sample by sample."""
+    """After each sample."""
     assert [error(fed([900, 700, 800, 300, 500][:n]), n) for n in range(1, 6)] == [
         900, 700, 700, 300, 300]
 
 
-def test_skew_is_found():
-    """30 ppm within 0.5, after a minute without noise."""
+def test_skew_is_estimated():
+    """To 0.5 ppm, after a minute without noise."""
     assert fed([0] * 60 * SECOND, skew=30e-6).skew == pytest.approx(30e-6, abs=0.5e-6)
 
 
@@ -57,23 +57,23 @@ def test_the_envelope_and_not_the_mean_is_followed():
     assert abs(error(tracker, 60 * SECOND, -40e-6)) < 150
 
 
-def test_one_that_is_far_too_early_needs_a_witness():
-    """A second, and the estimate does not move."""
+def test_an_early_sample_needs_a_second_one():
+    """The estimate ignores a single early sample."""
     tracker = fed([0] * 20 * SECOND)
     fed([0] * 50 + [-600_000] + [0] * 3 * SECOND, tracker=tracker, start=20 * SECOND)
     assert abs(error(tracker, 24 * SECOND)) < 20
     assert tracker.rejected == 1
 
 
-def test_early_with_a_witness_is_followed_at_once():
-    """All before was late."""
+def test_two_early_samples_are_followed_at_once():
+    """All samples before were late."""
     tracker = fed([5000] * 20 * SECOND)
     fed([0] * 2 * SECOND, tracker=tracker, start=20 * SECOND)
     assert abs(error(tracker, 22 * SECOND)) < 20
 
 
-def test_overload_is_sat_out():
-    """40 s of reads that are late by anything between 5 and 200 ms."""
+def test_overload_is_ignored():
+    """For 40 s, reads are late by 5 to 200 ms."""
     tracker = fed([0] * 20 * SECOND, skew=20e-6)
     source = random.Random(2)
     late = [source.uniform(5000, 200_000) for _ in range(40 * SECOND)]
@@ -81,8 +81,8 @@ def test_overload_is_sat_out():
     assert abs(error(tracker, 60 * SECOND, 20e-6)) < 50
 
 
-def test_a_path_that_became_longer_is_believed_after_ten_buckets():
-    """By the same amount in each."""
+def test_a_longer_path_is_accepted_after_ten_buckets():
+    """If all of them are late by the same amount."""
     tracker = fed([0] * 20 * SECOND)
     fed([3000] * 4 * SECOND, tracker=tracker, start=20 * SECOND)
     assert abs(error(tracker, 24 * SECOND)) < 50
@@ -90,8 +90,8 @@ def test_a_path_that_became_longer_is_believed_after_ten_buckets():
     assert error(tracker, 27 * SECOND) == pytest.approx(3000, abs=50)
 
 
-def test_whatever_lasts_a_minute_is_believed():
-    """There is nothing else left to believe."""
+def test_delays_that_last_a_minute_are_accepted():
+    """No earlier sample is recent enough."""
     tracker = fed([0] * 20 * SECOND)
     source = random.Random(3)
     fed([50_000 + source.uniform(0, 9000) for _ in range(62 * SECOND)], 0.0, tracker,
@@ -100,7 +100,7 @@ def test_whatever_lasts_a_minute_is_believed():
 
 
 def test_restart_keeps_the_skew():
-    """The crystal is the same."""
+    """It depends on the crystal."""
     tracker = fed([0] * 30 * SECOND, skew=50e-6)
     tracker.restart()
     assert not tracker.started
@@ -109,17 +109,17 @@ def test_restart_keeps_the_skew():
 
 
 def test_filter_by_hand():
-    """Two equally good words meet in the middle."""
-    line = OffsetFilter(0, 1000, 10.0, 0.0, 0.0)
-    line.correct(100, 100.0)
-    assert line.offset(0) == 1050
-    assert line.variance == pytest.approx(50)
+    """Two equally good measurements give their mean."""
+    kalman = OffsetFilter(0, 1000, 10.0, 0.0, 0.0)
+    kalman.correct(100, 100.0)
+    assert kalman.offset(0) == 1050
+    assert kalman.variance == pytest.approx(50)
 
 
-def test_filter_loses_nothing_however_long_the_clocks_have_run():
-    """Nanoseconds, a thousand years on."""
-    line = OffsetFilter(10 ** 19, 3 * 10 ** 19 + 1, 10.0)
-    assert line.offset(10 ** 19) == 3 * 10 ** 19 + 1
+def test_filter_keeps_nanoseconds_however_long_the_clocks_have_run():
+    """Even after three hundred years."""
+    kalman = OffsetFilter(10 ** 19, 3 * 10 ** 19 + 1, 10.0)
+    assert kalman.offset(10 ** 19) == 3 * 10 ** 19 + 1
 
 
 STEADY, WARMING = process_model(0.03, 0.002), process_model(0.5, 0.05)
@@ -127,11 +127,11 @@ STEADY, WARMING = process_model(0.03, 0.002), process_model(0.5, 0.05)
 
 def filter_errors(*models):
     """
-    Return how wrong a filter was: in ppm with a steady clock, then in us with a warming one.
+    Return the median errors of a filter: in ppm with a steady clock, then in us while warming.
 
-    It is told the offset every half second, 25 us off.
+    It measures the offset every half second, with a deviation of 25 us.
     """
-    source, line = random.Random(5), OffsetFilter(0, 0, 200_000.0, models=models)
+    source, kalman = random.Random(5), OffsetFilter(0, 0, 200_000.0, models=models)
     truth, skew, skew_errors, offset_errors = 0.0, 0.0, [], []
     step = 500_000_000
     for index in range(1, 1601):
@@ -139,25 +139,25 @@ def filter_errors(*models):
         if index > 1200:
             skew += 0.05e-6
         truth += skew * step
-        line.predict(time)
-        line.correct(truth + source.gauss(0.0, 25_000) - line.offset(time), 25_000.0 ** 2)
+        kalman.predict(time)
+        kalman.correct(truth + source.gauss(0.0, 25_000) - kalman.offset(time), 25_000.0 ** 2)
         if 200 < index <= 1200:
-            skew_errors.append(abs(line.skew - skew) * 1e6)
+            skew_errors.append(abs(kalman.skew - skew) * 1e6)
         elif index > 1400:
-            offset_errors.append(abs(line.offset(time) - truth) / 1000)
+            offset_errors.append(abs(kalman.offset(time) - truth) / 1000)
     return median(skew_errors), median(offset_errors)
 
 
 def test_two_models_are_as_good_as_the_better_one():
-    """With a steady clock a long memory is, while it warms up a short one."""
+    """A steady clock needs a long memory, a clock that warms up a short one."""
     steady, warming, both = (
         filter_errors(*models) for models in ((STEADY,), (WARMING,), (STEADY, WARMING)))
     assert steady[0] < warming[0] / 3 and warming[1] < steady[1] / 3
     assert both[0] < 2 * steady[0] and both[1] < 1.2 * warming[1]
 
 
-def test_one_odd_gap_opens_no_gate():
-    """A host that is late from now on is not believed, however far apart its samples are."""
+def test_a_wide_gap_does_not_widen_the_gate():
+    """A host that is late from now on is rejected, however far apart its samples are."""
     source = random.Random(4)
     tracker = fed([source.expovariate(1 / 20) for _ in range(60 * SECOND)])
     spread = tracker.spread
