@@ -13,10 +13,9 @@ Mistakes of a caller, such as an argument of the wrong size, raise ValueError in
     +-- LinkError                   the port cannot be used now
     +-- DeviceNotFound              no serial device matches a pattern
     +-- NvmError                    pages of the device's memory could not be read
-    +-- CaptureError                a recording cannot be read or written
-    |   +-- ExistingFolderError     the name of a new bag is taken
+    +-- CaptureError                a recording cannot be read
     +-- DamageError                 a part of a bag is unusable; the parts around it are not
-    +-- WriteError                  a file cannot be written
+    +-- WriteError                  a file or bag cannot be written
     |   +-- TargetExists            it exists and must not be replaced
     +-- ControlError                a command to the emulator is wrong (also a ValueError)
     +-- ScenarioError               a line of a scenario is wrong (also a ValueError)
@@ -56,11 +55,7 @@ class NvmError(BahrsDriverError):
 
 
 class CaptureError(BahrsDriverError):
-    """A recording cannot be read or written."""
-
-
-class ExistingFolderError(CaptureError):
-    """The name of a new bag is taken."""
+    """A recording cannot be read."""
 
 
 class DamageError(BahrsDriverError):
@@ -68,7 +63,7 @@ class DamageError(BahrsDriverError):
 
 
 class WriteError(BahrsDriverError):
-    """A file cannot be written. The text is one sentence with the target and the reason."""
+    """A file or bag cannot be written. The text is one sentence with the target and the reason."""
 
 
 class TargetExists(WriteError):

@@ -15,7 +15,7 @@ import inspect
 import random
 import tracemalloc
 
-from bahrs_driver.bag.message_queue import OVERHEAD, Taken, TakenQueue
+from bahrs_driver.bag.message_queue import MessageQueue, OVERHEAD, RecordedMessage
 from bahrs_driver.clock import Instant
 from bahrs_driver.devices.registry import recognize
 from bahrs_driver.diagnostics.framing_task import FramingTask
@@ -209,9 +209,9 @@ def test_a_tally_of_many_messages_remembers_few(monkeypatch):
 
 def test_a_recorder_whose_disk_is_slow_keeps_so_much_and_counts_the_rest():
     """What was kept comes in order, and then there is room again."""
-    queue = TakenQueue(10 * (100 + OVERHEAD))
+    queue = MessageQueue(10 * (100 + OVERHEAD))
     for _ in range(2):
         for index in range(25):
-            queue.put(Taken(index, '/topic', bytes(100), index))
+            queue.put(RecordedMessage(index, '/topic', bytes(100), index))
         assert [item.log_time for item in queue.take_all()] == list(range(10))
     assert queue.dropped == 30 and queue.take_all() == []

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The files of a rosbag2 bag: which there are, in which order, and how each is opened.
+Find and open the files of a rosbag2 bag, in their order.
 
-What a file is shows in its first bytes. One that rosbag2 compressed as a whole is decompressed
-while it is read, or into a temporary file for SQLite, which has to go back and forth.
+The first bytes of a file show its kind. A file that rosbag2 compressed as a whole is decompressed
+while it is read, or into a temporary file for SQLite, which needs random access.
 """
 
 from collections.abc import Iterator
@@ -25,8 +25,8 @@ from bahrs_driver.bag.stored_message import StoredMessage
 from bahrs_driver.errors import CaptureError, DamageError
 from bahrs_driver.process.printable import printable
 
-LARGEST_RATIO = 1000            # by which a compressed file may expand
-SMALLEST_LIMIT = 64 << 20       # bytes that any file may expand to
+MAX_RATIO = 1000                # by which a compressed file may expand
+MIN_LIMIT = 64 << 20            # bytes that any file may expand to
 _PIECE = 1 << 20
 
 
@@ -49,17 +49,17 @@ def find_files(path: Path) -> list[Path]:
 
 
 class BagFile:
-    """One file of a bag. It may be read again, and begins at the beginning each time."""
+    """One file of a bag. Each call of messages() reads it from the beginning."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.size = path.stat().st_size
         self.damage = Damage(path)
-        self.done = 0                   # bytes of it that were read, about
+        self.done = 0                   # bytes read so far, approximately
         self._folder: tempfile.TemporaryDirectory[str] | None = None
 
     def messages(self) -> Iterator[StoredMessage]:
-        """Yield the raw messages in their order, as far as the file can be read."""
+        """Yield the raw messages in their order, up to damage that ends the file."""
         self.damage, self.done = Damage(self.path), 0
         try:
             with self.path.open('rb') as file, self.damage.ending():
@@ -85,12 +85,12 @@ class BagFile:
             yield message
 
     def _unpacked(self, file: BinaryIO) -> Path:
-        """Decompress into a temporary file, which is kept as long as this object."""
+        """Decompress into a temporary file, which exists as long as this object."""
         if self._folder is None:
             folder = tempfile.TemporaryDirectory(prefix='bahrs_')
             try:
                 _decompress(file, Path(folder.name) / 'bag.db3',
-                            max(SMALLEST_LIMIT, LARGEST_RATIO * self.size))
+                            max(MIN_LIMIT, MAX_RATIO * self.size))
             except (OSError, DamageError) as error:
                 folder.cleanup()
                 raise CaptureError(
@@ -101,7 +101,7 @@ class BagFile:
 
 
 def _head(file: BinaryIO, compressed: bool = False) -> bytes:
-    """Return the first bytes of a file, and go back to its beginning."""
+    """Return the first bytes of a file, and seek to its beginning."""
     head = (zstd_stream(file) if compressed else file).read(HEAD_SIZE)
     file.seek(0)
     return head
@@ -118,6 +118,6 @@ def _decompress(file: BinaryIO, target: Path, limit: int) -> None:
 
 
 def _number(file: Path) -> tuple[int, str]:
-    """Return what orders files by the number that a split gave them."""
+    """Return a key that orders files by the number that a split gave them."""
     digits = re.search(r'_([0-9]+)$', base_name(file))
     return int(digits[1]) if digits else -1, file.name

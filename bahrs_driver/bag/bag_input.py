@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bags that hold `raw`: rosbag2 directories and their files, MCAP or SQLite."""
+"""Read raw bytes from rosbag2 bags: directories or single files, MCAP or SQLite."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,13 +10,13 @@ from bahrs_driver.bag.bag_files import BagFile, find_files
 from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.bag.compression import decompress_message
 from bahrs_driver.bag.damage import MESSAGE
-from bahrs_driver.bag.read_metadata import END_OF_TIME, Origin, parse_label
+from bahrs_driver.bag.read_metadata import END_OF_TIME, parse_label, ReadMetadata
 from bahrs_driver.bag.stored_message import LARGEST_PART, RAW_TYPE, StoredMessage
 from bahrs_driver.bag.topics import typestore
 from bahrs_driver.errors import CaptureError, DamageError
 from bahrs_driver.process.printable import printable
 
-NAME = 'raw'                # last part of the topic's name, if the user does not give one
+NAME = 'raw'                # last part of the topic's name, if the user names none
 
 
 class BagCapture(Capture):
@@ -25,25 +25,25 @@ class BagCapture(Capture):
     timed = True
 
     def __init__(self, path: Path, topic: str | None) -> None:
-        """Find the topic; CaptureError if there is none."""
+        """Find the topic; CaptureError if the bag has none."""
         self._files = [BagFile(file) for file in find_files(path)]
         super().__init__(path, sum(file.size for file in self._files))
         self._topic = topic
-        self._others: set[str] = set()      # topics that could have been meant
+        self._others: set[str] = set()      # other topics of raw bytes
         self._find()
 
     def chunks(self) -> Iterator[Chunk]:
-        """Return all bytes in order; CaptureError if they cannot be read."""
+        """Yield all bytes in order; CaptureError if they cannot be read."""
         return (chunk for chunk, *_ in self._read())
 
     def _find(self) -> None:
-        """Look at the first message that can be decoded."""
+        """Read the topic and the device from the first message that can be decoded."""
         first = next(self._read(), None)
         if first is None:
             raise CaptureError(self._why_empty())
-        _, origin, self._topic = first
-        if origin:
-            self.sensor, self.byte_ns = origin.sensor, origin.byte_ns
+        _, metadata, self._topic = first
+        if metadata:
+            self.sensor, self.byte_ns = metadata.sensor, metadata.byte_ns
 
     def _why_empty(self) -> str:
         damaged = next((file.damage for file in self._files if file.damage.count(MESSAGE)), None)
@@ -59,8 +59,8 @@ class BagCapture(Capture):
         return (f'{shown} has no {wanted} of type {RAW_TYPE}: record it with the parameter '
                 'publish.raw of the driver on')
 
-    def _read(self) -> Iterator[tuple[Chunk, Origin | None, str]]:
-        """Yield the chunks with their topic and what their label says."""
+    def _read(self) -> Iterator[tuple[Chunk, ReadMetadata | None, str]]:
+        """Yield the chunks with their metadata and topic."""
         self.done = 0
         self.notes.clear()
         for file in self._files:
@@ -86,14 +86,15 @@ class BagCapture(Capture):
         return wanted
 
 
-def _decode(message: StoredMessage) -> tuple[Chunk, Origin | None, str]:
-    """Decode a message; whatever is wrong with it raises something."""
+def _decode(message: StoredMessage) -> tuple[Chunk, ReadMetadata | None, str]:
+    """Decode a message; raise any exception for a malformed one."""
     decoded = _deserialize(decompress_message(message.data, LARGEST_PART))
     labels = [dimension.label for dimension in decoded.layout.dim]
-    origin = parse_label(labels[0]) if labels else None
+    metadata = parse_label(labels[0]) if labels else None
     data = decoded.data.tobytes()
-    if origin:
-        return Chunk(data, origin.ros_ns, origin.raw_ns, origin.opening), origin, message.topic
+    if metadata:
+        chunk = Chunk(data, metadata.ros_ns, metadata.raw_ns, metadata.connection_id)
+        return chunk, metadata, message.topic
     if not 0 <= message.log_time < END_OF_TIME:
         raise DamageError('its time is before 1970 or after 2038')
     return Chunk(data, message.log_time), None, message.topic
@@ -104,7 +105,7 @@ def _deserialize(data: bytes) -> Any:
         raise DamageError('it is empty')
     try:
         return typestore().deserialize_cdr(data, RAW_TYPE)
-    except Exception as error:          # whatever the library meets in foreign bytes
+    except Exception as error:          # the library raises many kinds for malformed bytes
         raise DamageError(f'it is cut, or not of type {RAW_TYPE}') from error
 
 

@@ -1,12 +1,12 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-A rosbag2 directory with MCAP files, to write into.
+Write a rosbag2 directory with MCAP files.
 
-The writer of `rosbags` keeps a megabyte back, which is a minute and a half of raw bytes, and
-writes metadata.yaml at the end only; a recorder that is killed would lose both. Here chunks are
-closed as often as the caller likes, the file is whole after each (see `sealed_file`), and
-metadata.yaml is there from the beginning.
+The writer of `rosbags` buffers a megabyte, which is a minute and a half of raw bytes, and writes
+metadata.yaml only at the end; a recorder that is killed would lose both. Here the caller closes
+chunks at any time, the file is complete after each (see `sealed_file`), and metadata.yaml exists
+from the beginning.
 """
 
 from collections.abc import Callable, Iterable
@@ -14,13 +14,11 @@ import contextlib
 from pathlib import Path
 from types import TracebackType
 
-from bahrs_driver.bag.guard_writing import guard_writing
 from bahrs_driver.bag.metadata import as_yaml, Span, write_metadata
 from bahrs_driver.bag.sealed_file import SealedFile
 from bahrs_driver.bag.topics import definition, Topic
-from bahrs_driver.errors import CaptureError, ExistingFolderError
-from bahrs_driver.files.guard import refuse_new_device
-from bahrs_driver.process.printable import printable
+from bahrs_driver.errors import WriteError
+from bahrs_driver.files.guard import already_exists, guard, refuse_new_device
 from mcap.data_stream import RecordBuilder
 from mcap.records import DataEnd, Footer
 from mcap.writer import CompressionType, MCAP0_MAGIC, Writer
@@ -33,17 +31,18 @@ class BagWriter:
     """
     Writes messages, in the order of their log times.
 
-    Once it has raised, it must be closed and nothing else: all up to the last flush is there.
+    Once a method has raised WriteError, only close() may be called: all messages up to the last
+    flush are in the bag.
     """
 
     def __init__(self, folder: str | Path, name: str = '') -> None:
         """
-        Make the directory; CaptureError if it exists or cannot be made.
+        Make the directory; WriteError if it exists or cannot be made.
 
-        name is what its files are called by, if not by the directory.
+        name is the beginning of the names of its files, if not that of the directory.
         """
         self.folder = Path(folder)
-        with guard_writing(folder):
+        with guard(folder):
             self._name = _file_name(name or self.folder.resolve().name)
         self._topics: dict[str, Topic] = {}
         self._files: list[Span] = []
@@ -51,24 +50,24 @@ class BagWriter:
         make_directory(self.folder)
         try:
             self._begin_file()
-        except CaptureError:
-            with contextlib.suppress(OSError):      # it is ours, but may hold something by now
+        except WriteError:
+            with contextlib.suppress(OSError):      # another program may have put files there
                 self.folder.rmdir()
             raise
 
     @property
     def count(self) -> int:
-        """How many messages were written."""
+        """Messages written so far."""
         return sum(file.count for file in self._files)
 
     @property
     def size(self) -> int:
-        """How many bytes the present file has so far."""
+        """Bytes in the present file."""
         return self._stream.tell()
 
     @property
     def span(self) -> Span:
-        """Return what the present file has."""
+        """Topics and times of the present file."""
         return self._files[-1]
 
     def files(self) -> list[str]:
@@ -76,12 +75,12 @@ class BagWriter:
         return [file.name for file in self._files]
 
     def counts(self) -> dict[str, int]:
-        """Return how many messages each topic has."""
+        """Return the number of messages of each topic."""
         return {name: sum(file.counts.get(name, 0) for file in self._files)
                 for name in self._topics}
 
     def add_topics(self, topics: Iterable[Topic]) -> None:
-        """Take topics that messages will come of. Those that are known are left as they are."""
+        """Add topics of later messages. Known topics stay as they are."""
         for topic in topics:
             if topic.name not in self._topics:
                 self._topics[topic.name] = topic
@@ -90,7 +89,7 @@ class BagWriter:
 
     def write(self, topic: str, log_time: int, data: bytes,
               publish_time: int | None = None) -> None:
-        """Take a serialised message; times in ns. log_time must not be below the last one."""
+        """Append a serialized message; times in ns. log_time must not be below the last one."""
         self._files[-1].add(topic, log_time)
         self._writer.add_message(
             self._channels[topic], log_time, data,
@@ -99,21 +98,21 @@ class BagWriter:
             self._guard(self._stream.flush)
 
     def flush(self) -> None:
-        """Put all that came into the file. CaptureError if that is not possible."""
+        """Write all messages into the file; WriteError if that is not possible."""
         self._guard(self._writer.flush)
 
     def sync(self) -> None:
-        """Have what was flushed survive a loss of power, and metadata.yaml say how much it is."""
+        """Make flushed messages survive a loss of power, and update metadata.yaml."""
         self._guard(self._stream.sync)
         self._write_metadata()
 
     def split(self) -> None:
-        """End the file and begin the next."""
+        """Complete the file and begin the next."""
         self._end_file()
         self._begin_file()
 
     def close(self) -> None:
-        """End the file and the bag. Where something went wrong before, it stays as it is."""
+        """Complete the file and the bag; after an error, leave them as they are."""
         if not self._broken:
             self._end_file()
             self._write_metadata()
@@ -125,13 +124,13 @@ class BagWriter:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
                  trace: TracebackType | None) -> None:
-        """End the bag."""
+        """Close the bag."""
         self.close()
 
     def _begin_file(self) -> None:
         name = f'{self._name}_{len(self._files)}.mcap'
         self._files.append(Span(name))
-        with guard_writing(self.folder / name):
+        with guard(self.folder / name):
             self._stream = SealedFile(self.folder / name, _end())
         self._writer = Writer(self._stream, CHUNK_SIZE,  # type: ignore[arg-type]
                               CompressionType.ZSTD)
@@ -161,32 +160,31 @@ class BagWriter:
 
     def _guard(self, action: Callable[[], None]) -> None:
         try:
-            with guard_writing(self.folder):
+            with guard(self.folder):
                 action()
-        except CaptureError:
+        except WriteError:
             self._broken = True
             raise
 
 
 def _file_name(folder_name: str) -> str:
-    """Return a name for files: metadata.yaml is text, and holds no bytes that are none."""
+    """Return a name for files, of printable characters: metadata.yaml is text."""
     return ''.join(character if character.isprintable() else '_'
                    for character in folder_name) or 'bag'
 
 
 def make_directory(folder: Path) -> None:
-    """Make a directory with its parents; CaptureError if it exists or cannot be made."""
-    with guard_writing(folder, 'make'):
+    """Make a directory with its parents; WriteError if it exists or cannot be made."""
+    with guard(folder, 'make'):
         refuse_new_device(folder)
         try:
             folder.mkdir(parents=True)
         except FileExistsError as error:
-            raise ExistingFolderError(
-                f'{printable(folder)} exists already, and is not written over') from error
+            raise already_exists(folder) from error
 
 
 def _end() -> bytes:
-    """Return what makes an MCAP file whole: an end without a summary."""
+    """Return the bytes that complete an MCAP file: an end without a summary."""
     builder = RecordBuilder()
     DataEnd(0).write(builder)
     Footer(0, 0, 0).write(builder)

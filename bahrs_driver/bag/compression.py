@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Decompress what comes from a file, never to more than a limit.
+Decompress data from a file, up to a limit.
 
-A few kilobytes can claim, or expand to, gigabytes. Data is decompressed a piece at a time, and a
-piece is only made once there was room for the ones before.
+A few kilobytes can claim to be, or expand to, gigabytes. So data is decompressed a piece at a time
+until the limit is reached.
 """
 
 from collections.abc import Callable
@@ -29,12 +29,12 @@ def decompress(compression: str, data: bytes, limit: int) -> bytes:
 
 
 def decompress_message(data: bytes, limit: int) -> bytes:
-    """Decompress a message if it is compressed: none begins with this magic otherwise."""
+    """Decompress a message if it is compressed: no other message begins with this magic."""
     return decompress('zstd', data, limit) if data.startswith(ZSTD_MAGIC) else data
 
 
 def zstd_stream(file: BinaryIO) -> BinaryIO:
-    """Return a stream of what a compressed file holds, which can be read and seeked forward."""
+    """Return a stream of the decompressed file, which can be read and sought forward."""
     reader: BinaryIO = zstandard.ZstdDecompressor().stream_reader(
         file, read_across_frames=True, closefd=False)
     return reader
@@ -70,4 +70,4 @@ def _collect(read: Callable[[], bytes], limit: int) -> bytes:
 
 
 _DECOMPRESSORS: dict[str, Callable[[bytes, int], bytes]] = {
-    '': lambda data, limit: data, 'zstd': _zstd, 'lz4': _lz4}
+    '': lambda data, _: data, 'zstd': _zstd, 'lz4': _lz4}

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What could not be used of a bag's file.
+Count the damaged parts of a bag's file.
 
-A bag is read with libraries that raise what they like for bytes that are not as they should be.
-This is the one place that turns any of it into a sentence.
+The libraries that read bags raise many kinds of exceptions for malformed bytes. Only this module
+converts them to sentences.
 """
 
 from collections import Counter
@@ -15,11 +15,11 @@ from pathlib import Path
 from bahrs_driver.errors import CaptureError
 from bahrs_driver.process.printable import printable
 
-MESSAGE = 'message'             # a part that is counted in several places
+MESSAGE = 'message'             # a kind of part that several modules count
 
 
 class Damage:
-    """Counts the parts of a file that were left out, and keeps the first reason of each kind."""
+    """Counts the parts of a file that were left out, with the first reason of each kind."""
 
     def __init__(self, file: Path) -> None:
         self._file = file
@@ -40,7 +40,7 @@ class Damage:
 
     @contextlib.contextmanager
     def ending(self) -> Iterator[None]:
-        """Treat any exception as the end of the file; what came before it counts."""
+        """Treat any exception as the end of the file."""
         try:
             yield
         except CaptureError:
@@ -53,7 +53,7 @@ class Damage:
         return self._counts[part]
 
     def reason(self, part: str) -> str:
-        """Return why the first of a kind was left out."""
+        """Return why the first part of a kind was left out."""
         return self._reasons.get(part, '')
 
     def sentences(self) -> list[str]:
@@ -62,7 +62,7 @@ class Damage:
         found = [f'{file}: {count} {part}{"s" if count > 1 else ""} left out as damaged '
                  f'({self._reasons[part]})' for part, count in self._counts.items()]
         if self._end:
-            found.append(f'{file} ends early or is damaged: what comes before that was read '
+            found.append(f'{file} ends early or is damaged: only the part before was read '
                          f'({self._end})')
         return found
 

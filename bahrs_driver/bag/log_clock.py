@@ -1,12 +1,12 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Log times that keep order and spacing while the host's clock is set.
+Compute log times that keep order and spacing if the host's clock is set.
 
-ROS time is the host's wall clock, which may be set in the middle of a recording. Players
-and tools go by log times, and would wait for an hour or play everything at once. So a log time is
-ROS time less all steps since the beginning of the recording: it follows a clock that is slewed,
-and goes on evenly over one that is set. Stamps of messages are left as they are.
+ROS time is the host's wall clock, which may be set in the middle of a recording. Players and
+tools use log times, and would wait for an hour or play everything at once. So a log time is ROS
+time minus all steps since the beginning of the recording: it follows a clock that is slewed, and
+continues evenly over one that is set. Stamps of messages do not change.
 """
 
 from typing import NamedTuple
@@ -15,35 +15,35 @@ from bahrs_driver.clock import Instant
 from bahrs_driver.clock.host import step_between, step_sentence
 from bahrs_driver.units import NS_PER_S
 
-MOST_STEPS = 20         # that are kept; more are counted
-LATEST = 2 ** 62        # ns; no log time is later, whatever a recording claims
+MAX_STEPS = 20          # kept; more are only counted
+LATEST = 2 ** 62        # ns; the limit of log times, for any recording
 
 
 class Moment(NamedTuple):
-    """One moment of a recording on its clocks, in ns."""
+    """A time of a recording on its clocks, in ns."""
 
     log_ns: int         # never goes back
-    ros_ns: int         # as it was set at that moment
+    ros_ns: int         # as set at that time
     raw_ns: int         # on a steady clock; never goes back
-    offset: int = 0     # by which ROS time had been set by then
+    offset: int = 0     # sum of the steps of ROS time before
 
 
 class Step(NamedTuple):
-    """ROS time was set."""
+    """A step of ROS time."""
 
     seconds: float      # since the beginning of the recording
     size_ns: int
 
 
 class LogClock:
-    """Puts moments that come one after the other on log time."""
+    """Assigns log times to successive moments."""
 
     def __init__(self) -> None:
         self.steps: list[Step] = []
         self.step_count = 0
         self._first: Moment | None = None
         self._last = Moment(0, 0, 0)
-        self._raw_ns: int | None = None     # of the last moment, as it was given
+        self._raw_ns: int | None = None     # of the last moment, as passed to observe()
         self._elapsed = 0                   # between the last two moments
 
     def observe(self, ros_ns: int, raw_ns: int | None) -> Moment:
@@ -68,7 +68,7 @@ class LogClock:
     def _advance(self, ros_ns: int, raw_ns: int | None) -> None:
         last = self._last
         if raw_ns is None or self._raw_ns is None or raw_ns < self._raw_ns:
-            # How much time has passed is unknown: as much as before, if ROS time has gone back.
+            # The elapsed time is unknown: assume the one before if ROS time has gone back.
             elapsed = ros_ns - last.ros_ns if ros_ns >= last.ros_ns else self._elapsed
         else:
             elapsed = raw_ns - self._raw_ns
@@ -84,6 +84,6 @@ class LogClock:
     def _note(self, size_ns: int) -> None:
         assert self._first
         self.step_count += 1
-        if len(self.steps) < MOST_STEPS:
+        if len(self.steps) < MAX_STEPS:
             seconds = (self._last.log_ns - self._first.log_ns) / NS_PER_S
             self.steps.append(Step(seconds, size_ns))

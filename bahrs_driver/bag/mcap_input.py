@@ -1,11 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-MCAP files, read from front to back as far as they go.
+Read MCAP files from front to back, up to their end or damage.
 
 A recorder that was killed leaves a file without its end, so index and summary are not needed. A
-length that a file claims is never allocated: what is read is what is there, up to a limit, and
-records that are not of interest are passed over.
+claimed length is never allocated: reads return the bytes that exist, up to a limit, and other
+records are skipped.
 """
 
 from collections.abc import Iterator
@@ -35,7 +35,7 @@ Record = tuple[int, bytes]
 
 
 def read_mcap(stream: BinaryIO, damage: Damage) -> Iterator[StoredMessage]:
-    """Yield the raw messages of a file in their order; DamageError where it ends too early."""
+    """Yield the raw messages of a file in their order; DamageError if it ends too early."""
     if stream.read(len(MAGIC)) != MAGIC:
         raise DamageError('it is not an MCAP file')
     channels = _Channels(stream, damage)
@@ -53,7 +53,7 @@ def read_mcap(stream: BinaryIO, damage: Damage) -> Iterator[StoredMessage]:
 
 
 class _Channels:
-    """Knows the topics of the channels that have raw messages."""
+    """The topics of the channels that have raw messages."""
 
     def __init__(self, stream: BinaryIO, damage: Damage) -> None:
         self._stream = stream
@@ -63,7 +63,7 @@ class _Channels:
         self._searched = False
 
     def define(self, kind: int, content: bytes) -> None:
-        """Remember a schema or a channel."""
+        """Store a schema or a channel."""
         reader = ReadDataStream(io.BytesIO(content))
         with self._damage.leaving_out('definition'):
             if kind == Opcode.CHANNEL:
@@ -82,15 +82,15 @@ class _Channels:
         return self._topics.get(number)
 
     def _search(self) -> None:
-        """Look for definitions in the summary: those in a damaged chunk are there once more."""
+        """Read definitions from the summary, which repeats those of damaged chunks."""
         self._searched = True
-        if isinstance(self._stream, io.BufferedReader):     # what is decompressed has no way back
-            place = self._stream.tell()
+        if isinstance(self._stream, io.BufferedReader):     # a decompressed stream cannot
+            position = self._stream.tell()
             self._stream.seek(len(MAGIC))
-            with contextlib.suppress(Exception):            # reading on will say what is wrong
+            with contextlib.suppress(Exception):        # later reads report the damage
                 for kind, content in _records(self._stream, self._damage, _DEFINITIONS):
                     self.define(kind, content)
-            self._stream.seek(place)
+            self._stream.seek(position)
 
 
 def _unpacked(record: Record, damage: Damage) -> Iterator[Record]:
@@ -114,19 +114,19 @@ def _decompressed(content: bytes) -> bytes:
 
 
 def _inner_records(content: bytes) -> Iterator[Record]:
-    place = 0
-    while place < len(content):
-        kind, length = _HEAD.unpack_from(content, place)
-        place += _HEAD.size
-        if place + length > len(content):
+    position = 0
+    while position < len(content):
+        kind, length = _HEAD.unpack_from(content, position)
+        position += _HEAD.size
+        if position + length > len(content):
             raise DamageError('a record in it is longer than the chunk')
         if kind in _USED:
-            yield kind, content[place:place + length]
-        place += length
+            yield kind, content[position:position + length]
+        position += length
 
 
 def _records(stream: BinaryIO, damage: Damage, used: set[Opcode]) -> Iterator[Record]:
-    """Yield records of some kinds up to the footer, and pass over the others."""
+    """Yield records of some kinds up to the footer, and skip the others."""
     kind = 0
     while kind != Opcode.FOOTER:
         kind, length = _HEAD.unpack(_exactly(stream, _HEAD.size))
@@ -140,7 +140,7 @@ def _records(stream: BinaryIO, damage: Damage, used: set[Opcode]) -> Iterator[Re
 
 
 def _exactly(stream: BinaryIO, length: int) -> bytes:
-    """Read so many bytes, a piece at a time, so that only what is there is allocated."""
+    """Read exactly length bytes, a piece at a time: only existing bytes are allocated."""
     pieces = []
     while length:
         piece = stream.read(min(length, _PIECE))

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The file metadata.yaml of a bag, in the form that rosbag2 of Jazzy has it (version 9)."""
+"""Write metadata.yaml of a bag, in the format of rosbag2 in Jazzy (version 9)."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -12,12 +12,12 @@ import yaml
 
 VERSION = 9
 NAME = 'metadata.yaml'
-NEVER = 2 ** 63 - 1             # start of what has no message
+NEVER = 2 ** 63 - 1             # start of a bag without messages
 
 
 @dataclass
 class Span:
-    """What a file has; times are log times in ns."""
+    """Counts and times of a file; times are log times in ns."""
 
     name: str = ''
     count: int = 0
@@ -32,13 +32,13 @@ class Span:
         self.counts[topic] = self.counts.get(topic, 0) + 1
 
     def times(self) -> dict[str, dict[str, int]]:
-        """Return start and duration as rosbag2 writes them."""
+        """Return start and duration in the format of rosbag2."""
         return {'starting_time': {'nanoseconds_since_epoch': self.first},
                 'duration': {'nanoseconds': max(0, self.last - self.first)}}
 
 
 def write_metadata(folder: Path, topics: Iterable[Topic], files: list[Span]) -> None:
-    """Write the file, complete or not at all; WriteError if it cannot be written."""
+    """Write the file, complete or not at all; WriteError if that is not possible."""
     text = as_yaml({'rosbag2_bagfile_information': information(topics, files)})
     write_atomic(folder / NAME, text.encode(), replace=True)
 
@@ -50,7 +50,7 @@ def as_yaml(data: object) -> str:
 
 
 def information(topics: Iterable[Topic], files: list[Span]) -> Mapping[str, object]:
-    """Return what metadata.yaml says of a bag."""
+    """Return the contents of metadata.yaml."""
     whole = Span('', sum(file.count for file in files), min(file.first for file in files),
                  max(file.last for file in files))
     return {
@@ -71,8 +71,8 @@ def information(topics: Iterable[Topic], files: list[Span]) -> Mapping[str, obje
 
 
 class _Dumper(getattr(yaml, 'CSafeDumper', yaml.SafeDumper)):  # type: ignore[misc]
-    """Writes all out, without the references that rosbag2's reader need not understand."""
+    """Writes no references, which the reader of rosbag2 may not support."""
 
     def ignore_aliases(self, _data: object) -> bool:
-        """Return that nothing is referred to."""
+        """Return that nothing is written as a reference."""
         return True

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Open a recording of raw bytes, whatever its format."""
+"""Open a recording of raw bytes in any format."""
 
 from pathlib import Path
 
@@ -12,10 +12,10 @@ from bahrs_driver.process.printable import printable
 
 def read_capture(path: str | Path, topic: str | None = None) -> Capture:
     """
-    Return what a file of bytes or a bag has of a device.
+    Open a file of bytes or a bag; CaptureError if it cannot be read.
 
-    topic names the bag's topic of raw bytes; it need only be given if there are several. What is
-    damaged is read as far as it goes, with a note. CaptureError says what is wrong with the rest.
+    topic names the bag's topic of raw bytes, if there are several. Damaged parts are left out,
+    with a note.
     """
     path, shown = Path(path), printable(path)
     try:

@@ -1,11 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Listens to the topics of a node, whichever they are, and hands on what comes, serialised.
+Subscribe to all topics of a node, and queue their serialized messages.
 
-Two threads: the executor's takes messages and finds topics, and the one that calls drain()
-writes. Log times are those of arrival, and of a `raw` message that of its read, without
-the steps of the host clock (see `log_clock`).
+Two threads: the executor's receives messages and finds topics, and the one that calls drain()
+writes. The log time of a message is its arrival, and that of a `raw` message the time of its read,
+both without the steps of the host clock (see `log_clock`).
 """
 
 from collections import deque
@@ -15,7 +15,7 @@ import threading
 import time
 
 from bahrs_driver.bag.arrival_clock import ArrivalLogClock
-from bahrs_driver.bag.message_queue import Taken, TakenQueue
+from bahrs_driver.bag.message_queue import MessageQueue, RecordedMessage
 from bahrs_driver.bag.read_metadata import parse_label
 from bahrs_driver.bag.sequence_count import missed, SequenceCount
 from bahrs_driver.bag.stored_message import RAW_TYPE
@@ -35,43 +35,42 @@ from rclpy.serialization import deserialize_message
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from std_msgs.msg import UInt8MultiArray
 
-DEPTH = 5000                # messages of a topic that may wait for us
-# From one look for topics to the next, in s: rclpy does not report that the graph has changed.
-# A look takes 20 us.
+DEPTH = 5000                # messages of a topic in the queue of the subscription
+# Period of searches for topics, in s: rclpy does not report changes of the graph. A search takes
+# 20 us.
 FAST_SEARCH, SLOW_SEARCH = 0.02, 0.2
-SETTLED = 2.0               # s without another topic, after which the slow search begins
-DISCOVERY = 10.0            # s within which a node that is there before us is found
-# For how long a message may be overtaken by others, in ns: by the delays that were seen.
-LEAST_HOLD, LONGEST_HOLD = NS_PER_S // 10, NS_PER_S * 7 // 10
+SETTLED = 2.0               # s without a new topic, after which the slow search begins
+DISCOVERY = 10.0            # s within which a node that runs already is found
+# Limits of the time for which a later message may overtake an earlier one, in ns.
+MIN_HOLD, MAX_HOLD = NS_PER_S // 10, NS_PER_S * 7 // 10
 RAW = 'raw'
 NEVER_RECORDED = ('parameter_events',)
 
 
 class Recorder:
-    """Subscribes to all that a node publishes, or only to its raw bytes."""
+    """
+    Records all topics of the selected node, or only its raw bytes, once start() is called.
+
+    on_error is called with each exception of the recorder's own callbacks.
+    """
 
     def __init__(self, selection: Selection, raw_only: bool,
                  on_error: Callable[[BaseException], None]) -> None:
-        """
-        Record the selected node, once start() is called.
-
-        on_error is called with each exception of the recorder's own callbacks.
-        """
         self.node_seen = False
-        self.notes: list[str] = []      # what is not recorded, and why
+        self.notes: list[str] = []      # topics that are not recorded, and why
         self.choice = NodeChoice(selection)
         self._node_search = NodeSearch(self.choice)
         self._raw_only = raw_only
         self._known: set[str] = set()
         self._counts: dict[str, SequenceCount] = {}
-        self._is_new = False            # whether the node certainly began after us
+        self._is_new = False            # whether the node certainly started later
         self._clock = ArrivalLogClock()
         self._began = self._found = time.monotonic()
         self._new_topics: deque[Topic] = deque()
-        self._taken = TakenQueue()
-        self._late: list[Taken] = []    # that drain() keeps back
-        self._last = 0                  # log time of the latest that was handed on
-        self._delays = [0, 0]           # longest from arrival to being taken, of late, in ns
+        self._queue = MessageQueue()
+        self._late: list[RecordedMessage] = []    # kept for the next drain()
+        self._last = 0                  # log time of the latest message that drain() returned
+        self._delays = [0, 0]           # the latest longest delays of callbacks, in ns
         self._node = rclpy.create_node(f'bahrs_record_{time.monotonic_ns() % 10 ** 9}')
         self._timer = self._node.create_timer(
             FAST_SEARCH, self._search, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -81,35 +80,35 @@ class Recorder:
 
     @property
     def lost(self) -> int:
-        """How many messages were published between those that came, and did not come."""
+        """Messages lost between received ones."""
         return sum(count.lost for count in [*self._counts.values()])
 
     @property
     def dropped(self) -> int:
-        """How many messages came and were dropped, as those before were not written in time."""
-        return self._taken.dropped
+        """Messages dropped because earlier ones were not written in time."""
+        return self._queue.dropped
 
     @property
     def missed(self) -> dict[str, int]:
-        """How many messages of each topic were published before we had found each other."""
+        """Messages of each topic that were published before discovery, by topic."""
         return missed(dict(self._counts), self._clock.began, self._is_new)
 
     @property
     def clock_steps(self) -> list[str]:
-        """Return a sentence for each time that the host's clock was set."""
+        """Sentences about each time that the host's clock was set."""
         return self._clock.sentences()
 
     def settled(self) -> int:
-        """Return the log time in ns up to which all has probably been taken."""
+        """Return the log time in ns up to which all messages have probably been received."""
         slowest, self._delays[:] = max(self._delays), [self._delays[1], 0]
-        return self._clock.now() - max(LEAST_HOLD, min(2 * slowest, LONGEST_HOLD))
+        return self._clock.now() - max(MIN_HOLD, min(2 * slowest, MAX_HOLD))
 
     def start(self) -> None:
-        """Begin to look and to listen."""
+        """Search for topics and record them, in another thread."""
         self._thread.start()
 
     def stop(self) -> None:
-        """Stop receiving. What came by now can still be drained."""
+        """Stop receiving. Messages received so far can still be drained."""
         self._executor.stop()
         self._thread.join()
 
@@ -117,14 +116,14 @@ class Recorder:
         """Return the topics that were found since the last call."""
         return [self._new_topics.popleft() for _ in range(len(self._new_topics))]
 
-    def drain(self, until: int | None = None) -> list[Taken]:
+    def drain(self, until: int | None = None) -> list[RecordedMessage]:
         """
-        Return what came since the last call, by log time and never before what was returned.
+        Return the messages since the last call, in the order of log times over all calls.
 
-        What came after a log time in ns is kept for the next call, so that what is older and
-        still on its way comes before it.
+        Messages after a log time in ns are kept for the next call: an older message may still
+        arrive.
         """
-        items = self._late + self._taken.take_all()
+        items = self._late + self._queue.take_all()
         items.sort(key=lambda item: item.log_time)
         self._late = [item for item in items if until is not None and item.log_time > until]
         ready = items[:len(items) - len(self._late)]
@@ -135,12 +134,12 @@ class Recorder:
         return ready
 
     def _search(self) -> None:
-        """Find the topics of the node that are not known yet."""
+        """Find and subscribe to new topics of the node."""
         now = time.monotonic()
         target = self._node_search.update(self._node, now)
         topics = published(self._node, target) if target else []
         if not topics:
-            self._look_again(FAST_SEARCH)
+            self._set_period(FAST_SEARCH)
             return
         self._is_new |= not self.node_seen and now > self._began + DISCOVERY
         self.node_seen = True
@@ -153,9 +152,9 @@ class Recorder:
             if offers:              # discovery may not have them yet
                 self._subscribe(name, types[0], offers)
                 self._found = now
-        self._look_again(FAST_SEARCH if now < self._found + SETTLED else SLOW_SEARCH)
+        self._set_period(FAST_SEARCH if now < self._found + SETTLED else SLOW_SEARCH)
 
-    def _look_again(self, period: float) -> None:
+    def _set_period(self, period: float) -> None:
         nanoseconds = round(period * NS_PER_S)
         if self._timer.timer_period_ns != nanoseconds:
             self._timer.timer_period_ns = nanoseconds
@@ -177,32 +176,32 @@ class Recorder:
             reliability=offered.reliability, durability=offered.durability)
         is_raw = name.endswith(f'/{RAW}') and type_name == RAW_TYPE
         self._node.create_subscription(
-            kind, name, self._taker(name, is_raw),  # type: ignore[arg-type]
+            kind, name, self._callback(name, is_raw),  # type: ignore[arg-type]
             wanted, raw=True)
 
-    def _taker(self, name: str, is_raw: bool) -> Callable[[bytes, dict[str, int]], None]:
+    def _callback(self, name: str, is_raw: bool) -> Callable[[bytes, dict[str, int]], None]:
         count = self._counts[name] = SequenceCount(lambda: self._node.count_publishers(name) > 1)
 
-        def take(data: bytes, info: dict[str, int]) -> None:
+        def receive(data: bytes, info: dict[str, int]) -> None:
             now, received = self._clock.now(), info['received_timestamp']
             log_time = self._clock.log_time(now, _read_time(data) if is_raw else None, received)
             sequence = info.get('publication_sequence_number')
             if sequence:
                 count.add(sequence, log_time)
             self._delays[1] = max(self._delays[1], now - log_time)
-            self._taken.put(Taken(
+            self._queue.put(RecordedMessage(
                 log_time, name, data, info['source_timestamp'] or received or log_time))
-        return take
+        return receive
 
 
 def _read_time(data: bytes) -> int | None:
-    """Return when the bytes of a raw message were read, in ROS time, if it says so."""
+    """Return the ROS time of the read of a raw message, if its label has one."""
     try:
         dimensions = deserialize_message(data, UInt8MultiArray).layout.dim
-    except Exception:               # bytes that another program published
+    except Exception:               # malformed bytes of another program
         return None
-    origin = parse_label(dimensions[0].label) if dimensions else None
-    return origin and origin.ros_ns
+    metadata = parse_label(dimensions[0].label) if dimensions else None
+    return metadata and metadata.ros_ns
 
 
 def _profile(qos: QoSProfile) -> Qos:

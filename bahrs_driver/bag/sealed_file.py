@@ -1,12 +1,12 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-A file that is whole whenever nobody is writing into it.
+A file that is complete after each flush.
 
-An MCAP file without its end is refused by most readers, and a recorder that is killed, or whose
-machine loses power, writes no end. So each flush writes what has come and an end behind it, in
-one call; the next flush begins where that end began. If there is no room left, what was to be
-written is taken back, and the file ends where it ended before.
+Most readers refuse an MCAP file without its end, and a recorder that is killed, or whose machine
+loses power, writes no end. So each flush writes the pending bytes and an end, in one call; the
+next flush begins where that end began. If the disk is full, the pending bytes are dropped, and the
+file ends where it ended before.
 """
 
 import contextlib
@@ -18,46 +18,46 @@ from bahrs_driver.files.guard import check_target, sentence
 
 
 class SealedFile:
-    """A file to append to. It takes what a writer of streams needs: write, tell and flush."""
+    """A file to append to, with the methods that a writer of streams needs."""
 
     def __init__(self, path: Path, end: bytes) -> None:
         """
-        Make the file; end is what makes it whole. OSError if it cannot be made.
+        Create the file, which the bytes of end complete; OSError if it cannot be created.
 
-        It has its name from the first flush on, and before that one that nobody takes for a bag's.
+        It gets its name with the first flush; the hidden name before is not one of a bag.
         """
         self._path = path
         self._hidden: Path | None = path.with_name(f'.{path.name}.partial')
         self._seal = end
         self._pending = bytearray()
-        self._place = 0             # where the end begins
+        self._end_offset = 0             # offset at which the end begins
         how = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
         self._file = os.open(self._hidden, how, 0o666)
 
     def write(self, data: bytes) -> int:
-        """Take bytes; they are in the file after the next flush."""
+        """Append bytes, which the next flush writes into the file."""
         self._pending += data
         return len(data)
 
     @property
     def pending(self) -> int:
-        """How many bytes wait for the next flush."""
+        """Bytes that wait for the next flush."""
         return len(self._pending)
 
     def tell(self) -> int:
-        """Return where the next byte will be."""
-        return self._place + len(self._pending)
+        """Return the offset of the next byte."""
+        return self._end_offset + len(self._pending)
 
     def flush(self) -> None:
-        """Write all, and the end. WriteError if there is no room; the file is then as before."""
+        """Write all bytes and the end; after a WriteError the file is as before."""
         self._put(self._seal)
 
     def sync(self) -> None:
-        """Have what was flushed survive a loss of power."""
+        """Make flushed bytes survive a loss of power."""
         os.fdatasync(self._file)
 
     def finish(self) -> None:
-        """Write all, which has an end of its own, and close. WriteError as in flush."""
+        """Write all bytes, which include an end, and close; WriteError as in flush."""
         try:
             self._put(b'')
             self.sync()
@@ -65,7 +65,7 @@ class SealedFile:
             self.close()
 
     def close(self) -> None:
-        """Close the file as it is; once it is, nothing happens."""
+        """Close the file as it is; a second call does nothing."""
         if self._file >= 0:
             os.close(self._file)
             self._file = -1
@@ -73,20 +73,20 @@ class SealedFile:
     def _put(self, end: bytes) -> None:
         data, self._pending = bytes(self._pending) + end, bytearray()
         try:
-            _write(self._file, data, self._place)
+            _write(self._file, data, self._end_offset)
             if self._hidden:
                 check_target(str(self._path), self._path, replace=False)
                 self._hidden.replace(self._path)
                 self._hidden = None
         except OSError as error:
             with contextlib.suppress(OSError):
-                os.ftruncate(self._file, self._place)
-                _write(self._file, self._seal, self._place)
+                os.ftruncate(self._file, self._end_offset)
+                _write(self._file, self._seal, self._end_offset)
             raise WriteError(sentence(error, self._path)) from error
-        self._place += len(data) - len(end)
+        self._end_offset += len(data) - len(end)
 
 
-def _write(file: int, data: bytes, place: int) -> None:
+def _write(file: int, data: bytes, offset: int) -> None:
     while data:
-        count = os.pwrite(file, data, place)
-        data, place = data[count:], place + count
+        count = os.pwrite(file, data, offset)
+        data, offset = data[count:], offset + count

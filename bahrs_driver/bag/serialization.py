@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-ROS messages as bytes (CDR), the same bytes for the same message.
+Serialize ROS messages (CDR), always to the same bytes.
 
-The middleware leaves what lies between two fields as it finds it in memory. rosbags writes zeros
-there, and takes a message of ROS as one of its own, but for bytes and arrays of them.
+The middleware does not initialize the padding between fields. rosbags writes zeros there, and
+accepts messages of ROS as its own, except for bytes and arrays of bytes.
 """
 
 from collections.abc import Callable, Mapping
@@ -25,7 +25,7 @@ def type_name(kind: type) -> str:
 
 
 def serialized(message: object) -> bytes:
-    """Return a message as bytes."""
+    """Serialize a message."""
     kind = type(message)
     adapt = _ADAPTERS.get(kind)
     name = type_name(kind)  # type: ignore[arg-type]

@@ -1,9 +1,9 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-SQLite files of rosbag2, in the order in which messages were written.
+Read SQLite files of rosbag2, in the order in which messages were written.
 
-The order of time stamps is another one where the clock was set while recording.
+The order of time stamps differs from it if the clock was set during the recording.
 """
 
 from collections.abc import Iterator
@@ -15,8 +15,8 @@ from bahrs_driver.bag.damage import Damage, MESSAGE
 from bahrs_driver.bag.stored_message import LARGEST_PART, RAW_TYPE, StoredMessage
 from bahrs_driver.errors import DamageError
 
-# What is too large is not read: length() looks at its header only. CROSS keeps the order of the
-# tables, so that nothing has to be sorted.
+# Large data is not read: length() reads its header only. CROSS keeps the order of the tables,
+# which saves sorting.
 _MESSAGES = """
     SELECT messages.id, topics.name, messages.timestamp,
            CASE WHEN length(messages.data) <= ? THEN messages.data END
@@ -25,7 +25,7 @@ _MESSAGES = """
 
 
 def read_sqlite(file: Path, damage: Damage) -> Iterator[tuple[StoredMessage, float]]:
-    """Yield raw messages and the share of the file read; DamageError if it cannot be read on."""
+    """Yield raw messages and the share of the file that is read; DamageError at damage."""
     with contextlib.closing(_connection(file)) as connection:
         _check(connection)
         last = connection.execute('SELECT max(id) FROM messages').fetchone()[0] or 1
@@ -38,10 +38,10 @@ def read_sqlite(file: Path, damage: Damage) -> Iterator[tuple[StoredMessage, flo
 
 
 def _connection(file: Path) -> sqlite3.Connection:
-    """Open a database for reading, with what a recorder that was killed left in its log."""
+    """Open a database for reading, with the log of a recorder that was killed."""
     file = file.resolve()
     has_log = file.with_name(f'{file.name}-wal').exists()
-    # Without a log nothing is to be made beside the file; with one that may not be possible.
+    # Without a log, SQLite must create no file beside it; with a log, it may not be able to.
     for options in ('mode=ro', 'immutable=1') if has_log else ('immutable=1',):
         connection = sqlite3.connect(f'{file.as_uri()}?{options}', uri=True)
         connection.text_factory = lambda text: text.decode(errors='replace')

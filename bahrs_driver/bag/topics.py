@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a bag says of a topic: its type, the definition of the type, and the quality of service."""
+"""Describe the topics of a bag: type, definition of the type, and quality of service."""
 
 from functools import cache
 from typing import NamedTuple
@@ -23,7 +23,7 @@ class Topic(NamedTuple):
 def profile(history: str, depth: int, reliability: str, durability: str,
             liveliness: str = 'automatic', deadline: Qos = _FOREVER, lifespan: Qos = _FOREVER,
             lease: Qos = _FOREVER) -> Qos:
-    """Return a quality of service as rosbag2 writes it, in names; times are sec and nsec."""
+    """Return a quality of service in the format of rosbag2; times are sec and nsec."""
     return {'history': history, 'depth': depth, 'reliability': reliability,
             'durability': durability, 'deadline': dict(deadline), 'lifespan': dict(lifespan),
             'liveliness': liveliness, 'liveliness_lease_duration': dict(lease),
@@ -31,7 +31,7 @@ def profile(history: str, depth: int, reliability: str, durability: str,
 
 
 def definition(type_name: str) -> tuple[str, str]:
-    """Return the text that defines a type, and its hash; empty if the type is none of ROS's."""
+    """Return the text that defines a type, and its hash; empty if the type is not one of ROS."""
     types = typestore()
     if type_name not in types.types:
         return '', ''

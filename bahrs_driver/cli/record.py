@@ -16,7 +16,7 @@ from bahrs_driver.bag.recorder import RAW, Recorder
 from bahrs_driver.cli.node_options import add_node_options, selected_node, several_nodes
 from bahrs_driver.cli.ros import ros_session
 from bahrs_driver.cli.signals import shutdown_on_signal
-from bahrs_driver.errors import CaptureError, CommandError, ExistingFolderError
+from bahrs_driver.errors import CommandError, TargetExists, WriteError
 from bahrs_driver.process.argument_types import positive_float
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.process.printable import printable
@@ -79,7 +79,7 @@ def run(options: argparse.Namespace) -> int:
         try:
             with contextlib.closing(bag):
                 _record(options, recorder, bag, ended)
-        except CaptureError as error:
+        except WriteError as error:
             failure = str(error)
     _report(options, recorder, bag, failure)
     if failure:
@@ -95,7 +95,7 @@ def new_bag(output: str | None) -> BagWriter:
     for folder in chain([base], (f'{base}_{number}' for number in count(2))):
         try:
             return BagWriter(folder)
-        except ExistingFolderError:
+        except TargetExists:
             if output:
                 raise
     raise AssertionError('there are always more names')

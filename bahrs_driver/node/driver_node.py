@@ -8,7 +8,7 @@ from threading import Lock
 import time
 from typing import Any
 
-from bahrs_driver.bag.read_metadata import Origin
+from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.convert import raw, ros
 from bahrs_driver.devices.registry import DEVICES, parameter_table, recognize
 from bahrs_driver.devices.settings import CommonSettings
@@ -159,10 +159,10 @@ class DriverNode(ParameterNode):
         """Publish the bytes of a read if publish.raw is set, and the loss of a stale stream."""
         if self._raw:
             (data, now), connection = event.reading, event.connection
-            origin = Origin(self._spec.name, connection.number, connection.byte_time_ns,
-                            now.ros_ns, now.raw_ns)
+            metadata = ReadMetadata(self._spec.name, connection.number, connection.byte_time_ns,
+                                    now.ros_ns, now.raw_ns)
             self.faults.survive('publishing raw', self._raw.publish,
-                                raw.message(data, origin.label()))
+                                raw.message(data, metadata.to_label()))
         self._check_silence()
         for publisher in self._latched.values():
             publisher.flush()

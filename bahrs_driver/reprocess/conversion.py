@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Protocol
 from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.bag.log_clock import LogClock
 from bahrs_driver.bag.play_capture import play_capture, PlayedChunk
-from bahrs_driver.bag.read_metadata import Origin
+from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.clock import Clock
 from bahrs_driver.convert import raw
 from bahrs_driver.devices.parts import Parts
@@ -138,9 +138,10 @@ class Conversion:
 
     def _raw(self, chunk: Chunk) -> tuple[str, UInt8MultiArray]:
         read_at = chunk.read_at or 0
-        origin = Origin(self._spec.name, chunk.opening, self._given.byte_ns or 0, read_at,
-                        read_at if chunk.raw_at is None else chunk.raw_at)
-        return raw.TOPIC, raw.message(chunk.data, origin.label())
+        metadata = ReadMetadata(
+            self._spec.name, chunk.opening, self._given.byte_ns or 0, read_at,
+            read_at if chunk.raw_at is None else chunk.raw_at)
+        return raw.TOPIC, raw.message(chunk.data, metadata.to_label())
 
     def _take(self, outgoing: Iterator[tuple[str, Any]], log_ns: int,
               counts: dict[str, int]) -> None:

@@ -20,7 +20,7 @@ class BagOutput:
     """A rosbag2 directory. Topics are in a namespace."""
 
     def __init__(self, folder: Path, name: str, namespace: str = '') -> None:
-        """Make a bag whose files are called by a name; CaptureError if it cannot be made."""
+        """Make a bag whose files are called by a name; WriteError if it cannot be made."""
         self._bag = BagWriter(folder, name)
         self._prefix = f"/{namespace.strip('/')}/" if namespace.strip('/') else '/'
 
@@ -47,7 +47,7 @@ class CsvOutput:
     """A directory with a file for each topic; columns are the fields, times are in ns."""
 
     def __init__(self, folder: Path) -> None:
-        """Make the directory; CaptureError if it exists or cannot be made."""
+        """Make the directory; WriteError if it exists or cannot be made."""
         self._folder = folder
         self._files: list[LiveFile] = []
         self._writers: dict[str, Any] = {}

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of log times while recording, with clocks that the test sets."""
 
-from bahrs_driver.bag.arrival_clock import ArrivalLogClock, KEPT, OLDEST
+from bahrs_driver.bag.arrival_clock import ArrivalLogClock, KEPT, MAX_AGE
 from bahrs_driver.clock import Instant
 from hypothesis import given, strategies as st
 import pytest
@@ -66,7 +66,7 @@ def test_times_that_cannot_be():
     clock = ArrivalLogClock(host.read)
     host.elapsed = 100 * S
     now = clock.now()
-    for wrong in (None, 0, host.ros + S, host.ros - OLDEST - S, -5):
+    for wrong in (None, 0, host.ros + S, host.ros - MAX_AGE - S, -5):
         assert clock.log_time(now, wrong) == now
         assert clock.log_time(now, wrong, host.ros - 7) == now - 7
 
@@ -81,5 +81,5 @@ def test_never_later_than_now(moves):
         host.elapsed, host.offset = host.elapsed + elapsed, host.offset + step
         now = clock.now()
         assert last <= now
-        assert now - OLDEST <= clock.log_time(now, host.ros - age) <= now
+        assert now - MAX_AGE <= clock.log_time(now, host.ros - age) <= now
         last = now

@@ -171,8 +171,8 @@ def test_sqlite_claims(tmp_path, monkeypatch):
 def test_a_compressed_database_that_expands_too_far(tmp_path, monkeypatch):
     """It is refused with the way to decompress it by hand, and no temporary file is left."""
     bag = write_bag(tmp_path / 'bag', StoragePlugin.SQLITE3, compression=CompressionMode.FILE)
-    monkeypatch.setattr(bag_files, 'SMALLEST_LIMIT', 1000)
-    monkeypatch.setattr(bag_files, 'LARGEST_RATIO', 2)
+    monkeypatch.setattr(bag_files, 'MIN_LIMIT', 1000)
+    monkeypatch.setattr(bag_files, 'MAX_RATIO', 2)
     monkeypatch.setattr('tempfile.tempdir', str(tmp_path))
     with pytest.raises(CaptureError, match='expands to more than .*zstd -d'):
         read_capture(bag)

@@ -11,7 +11,7 @@ import shutil
 from bahrs_driver.bag.bag_output import BagWriter
 from bahrs_driver.bag.sealed_file import SealedFile
 from bahrs_driver.bag.topics import profile, Topic
-from bahrs_driver.errors import CaptureError
+from bahrs_driver.errors import WriteError
 from mcap.reader import make_reader
 import pytest
 from rclpy.serialization import serialize_message
@@ -129,7 +129,7 @@ def test_a_file_that_another_has_made_meanwhile_is_not_replaced(tmp_path):
     """Though it has the name of the next one."""
     bag = BagWriter(tmp_path / 'bag')
     (tmp_path / 'bag' / 'bag_1.mcap').write_text('precious')
-    with pytest.raises(CaptureError, match='bag_1.mcap exists already'):
+    with pytest.raises(WriteError, match='bag_1.mcap exists already'):
         bag.split()
     bag.close()
     assert (tmp_path / 'bag' / 'bag_1.mcap').read_text() == 'precious'
@@ -173,7 +173,7 @@ def test_no_room(tmp_path):
     bag, sent, good = BagWriter(tmp_path / 'bag'), [], 0
     bag.add_topics(TOPICS)
     with small_disk(), \
-            pytest.raises(CaptureError, match='bag_0.mcap: File too large: choose another'):
+            pytest.raises(WriteError, match='bag_0.mcap: File too large: choose another'):
         while True:
             data = number(0.0)[:4] + os.urandom(8)
             bag.write('/heading', START + len(sent), data)
@@ -190,9 +190,9 @@ def test_no_room(tmp_path):
 
 def test_a_bag_is_not_written_over(tmp_path):
     """Nor is anything else."""
-    with pytest.raises(CaptureError, match='exists already'):
+    with pytest.raises(WriteError, match='exists already'):
         BagWriter(tmp_path)
     for place in ('/proc/bag', '/dev/bahrs_unplugged'):
-        with pytest.raises(CaptureError, match=f'cannot (make|write) {place}'):
+        with pytest.raises(WriteError, match=f'cannot (make|write) {place}'):
             BagWriter(Path(place))
         assert not os.path.lexists(place)

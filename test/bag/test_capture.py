@@ -12,7 +12,7 @@ import pytest
 from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import StoragePlugin, Writer
 from std_msgs.msg import UInt8MultiArray
-from support.bags import CHUNKS, ORIGINS, PIECES, STORE, TYPE, write_bag, write_mcap
+from support.bags import CHUNKS, METADATA, PIECES, STORE, TYPE, write_bag, write_mcap
 
 
 def test_byte_file(tmp_path, monkeypatch):
@@ -131,11 +131,11 @@ def test_bag_without_raw(tmp_path):
         read_capture(write_bag(tmp_path / 'bag', StoragePlugin.MCAP, ()))
 
 
-@pytest.mark.parametrize('origin', ORIGINS[:3])
-def test_label(origin):
+@pytest.mark.parametrize('metadata', METADATA[:3])
+def test_label(metadata):
     """What was written is read."""
-    assert parse_label(origin.label()) == origin
-    assert parse_label(origin.label() + ' new=1') == origin
+    assert parse_label(metadata.to_label()) == metadata
+    assert parse_label(metadata.to_label() + ' new=1') == metadata
 
 
 @pytest.mark.parametrize('label', [

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of log times: even over a clock that is set, and never back whatever a recording says."""
 
-from bahrs_driver.bag.log_clock import LATEST, LogClock, Moment, MOST_STEPS
+from bahrs_driver.bag.log_clock import LATEST, LogClock, MAX_STEPS, Moment
 from hypothesis import given, strategies as st
 
 S = 1_000_000_000
@@ -79,4 +79,4 @@ def test_never_back_and_bounded(moments):
         assert moment.ros_ns == ros
         assert last.log_ns <= moment.log_ns <= LATEST and last.raw_ns <= moment.raw_ns
         last = moment
-    assert len(clock.steps) <= MOST_STEPS and len(clock.sentences()) <= MOST_STEPS + 1
+    assert len(clock.steps) <= MAX_STEPS and len(clock.sentences()) <= MAX_STEPS + 1

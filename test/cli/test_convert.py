@@ -8,7 +8,7 @@ import json
 import os
 
 from bahrs_driver.bag.bag_output import BagWriter
-from bahrs_driver.bag.read_metadata import Origin
+from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.bag.serialization import serialized
 from bahrs_driver.bag.topics import Topic
 from bahrs_driver.convert import raw
@@ -155,8 +155,9 @@ def test_a_clock_that_was_set_back_while_recording(tmp_path, plugin):
     items, begin = [], 1_700_000_000 * S
     for index, emission in enumerate(emissions(make_device(), 5.0)):
         at = round(emission.time * S)
-        origin = Origin('bahrs', 1, 86805, begin + at - HOUR * (at > 2 * S), 7 * S + at)
-        items.append((origin.ros_ns, serialized(raw.message(emission.data, origin.label()))))
+        metadata = ReadMetadata('bahrs', 1, 86805, begin + at - HOUR * (at > 2 * S), 7 * S + at)
+        message = raw.message(emission.data, metadata.to_label())
+        items.append((metadata.ros_ns, serialized(message)))
     bag = write_bag(tmp_path / 'bag', plugin, items=items)
     status, text = convert(bag, tmp_path / 'out', '--json')
     assert status == 0
@@ -219,7 +220,8 @@ def test_rates_of_requests_are_refused_for_what_was_recorded(tmp_path):
     """With one, every answer would be one that nobody waits for."""
     with BagWriter(tmp_path / 'bag') as bag:
         bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
-        bag.write('/raw', 1, serialized(raw.message(b'x', Origin('titan_m', 1, 0, 1, 1).label())))
+        label = ReadMetadata('titan_m', 1, 0, 1, 1).to_label()
+        bag.write('/raw', 1, serialized(raw.message(b'x', label)))
     status, text = convert(tmp_path / 'bag', tmp_path / 'out', '-p', 'gps.rate:=10')
     assert status == 1 and '-p gps.rate:=10: it can only be 0' in text
 

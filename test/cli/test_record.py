@@ -15,7 +15,7 @@ import time
 from bahrs_driver.bag.read_capture import read_capture
 from bahrs_driver.cli.record import new_bag
 from bahrs_driver.convert.bahrs.converter import TOPICS
-from bahrs_driver.errors import CaptureError
+from bahrs_driver.errors import WriteError
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import FORCE
 from bahrs_driver.protocol.framing import Framer
@@ -254,5 +254,5 @@ def test_names_of_bags_that_begin_in_the_same_second(tmp_path, monkeypatch):
     for folder in tmp_path.iterdir():
         with Reader(folder) as reader:
             assert reader.message_count == 0
-    with pytest.raises(CaptureError, match='bahrs_now exists already'):
+    with pytest.raises(WriteError, match='bahrs_now exists already'):
         new_bag('bahrs_now')

@@ -9,7 +9,7 @@ import signal
 import time
 
 from bahrs_driver.bag.bag_output import BagWriter
-from bahrs_driver.bag.read_metadata import Origin
+from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.bag.serialization import serialized
 from bahrs_driver.bag.topics import Topic
 from bahrs_driver.convert import raw
@@ -98,8 +98,8 @@ def write_bag(folder, chunks):
         bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
         for at, data in chunks:
             time_ns = 10 ** 18 + round(at * 1e9)
-            origin = Origin('bahrs', 1, 86805, time_ns, time_ns)
-            bag.write('/raw', time_ns, serialized(raw.message(data, origin.label())))
+            metadata = ReadMetadata('bahrs', 1, 86805, time_ns, time_ns)
+            bag.write('/raw', time_ns, serialized(raw.message(data, metadata.to_label())))
 
 
 def played(file, link, *words):
@@ -136,8 +136,8 @@ def test_a_bag_of_a_host_that_was_set(tmp_path):
         bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
         for at, step, data in ((0.0, 0, b'abc'), (0.5, -3600, b'def'), (1.5, 3600, b'ghi')):
             raw_ns = 7 * 10 ** 9 + round(at * 1e9)
-            origin = Origin('bahrs', 1, 86805, 10 ** 18 + raw_ns + step * 10 ** 9, raw_ns)
-            bag.write('/raw', 10 ** 18, serialized(raw.message(data, origin.label())))
+            metadata = ReadMetadata('bahrs', 1, 86805, 10 ** 18 + raw_ns + step * 10 ** 9, raw_ns)
+            bag.write('/raw', 10 ** 18, serialized(raw.message(data, metadata.to_label())))
     reads, told = played(tmp_path / 'bag', tmp_path / 'port')
     due = {**dict.fromkeys(b'def', 0.5), **dict.fromkeys(b'ghi', 1.5)}
     for at, data in reads:

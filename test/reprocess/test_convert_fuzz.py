@@ -6,7 +6,7 @@ import functools
 from pathlib import Path
 import tempfile
 
-from bahrs_driver.bag.read_metadata import END_OF_TIME, Origin
+from bahrs_driver.bag.read_metadata import END_OF_TIME, ReadMetadata
 from bahrs_driver.cli.main import main
 from bahrs_driver.convert import raw
 from hypothesis import given, settings, strategies as st
@@ -32,17 +32,17 @@ def pieces():
 @st.composite
 def labels(draw):
     """Give a label for each read: good ones, with some in which a field is anything."""
-    origins = [Origin('bahrs', 1, 86805, ROS + index * 16_000_000, RAW + index * 16_000_000)
-               for index in range(READS)]
+    metadata = [ReadMetadata('bahrs', 1, 86805, ROS + index * 16_000_000, RAW + index * 16_000_000)
+                for index in range(READS)]
     for place in draw(st.lists(st.integers(0, READS - 1), max_size=8)):
-        field = draw(st.sampled_from(Origin._fields[1:]))
-        origins[place] = origins[place]._replace(**{field: draw(NUMBER)})
+        field = draw(st.sampled_from(ReadMetadata._fields[1:]))
+        metadata[place] = metadata[place]._replace(**{field: draw(NUMBER)})
     if draw(st.booleans()):         # from some read on, as where a host was started again
         place, by = draw(st.integers(0, READS)), draw(st.integers(-RAW, END_OF_TIME))
         field = draw(st.sampled_from(('ros_ns', 'raw_ns')))
-        origins[place:] = [origin._replace(**{field: getattr(origin, field) + by})
-                           for origin in origins[place:]]
-    words = [origin.label() for origin in origins]
+        metadata[place:] = [item._replace(**{field: getattr(item, field) + by})
+                            for item in metadata[place:]]
+    words = [item.to_label() for item in metadata]
     for place in draw(st.lists(st.integers(0, READS - 1), max_size=3)):
         words[place] = draw(st.text(st.characters(exclude_categories=['Cs']), max_size=30))
     return words

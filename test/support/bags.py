@@ -3,7 +3,7 @@
 """Bags made for tests, in every form that rosbag2 writes."""
 
 from bahrs_driver.bag.capture import Chunk
-from bahrs_driver.bag.read_metadata import Origin
+from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.convert import raw
 from mcap.writer import CompressionType, Writer as McapWriter
 from rclpy.serialization import serialize_message
@@ -13,16 +13,17 @@ from std_msgs.msg import Float64
 
 TYPE = 'std_msgs/msg/UInt8MultiArray'
 STORE = get_typestore(Stores.ROS2_JAZZY)
-ORIGINS = [Origin('bahrs', 1 + i // 6, 86805, 10 ** 18 + i, 5 * 10 ** 9 + i) for i in range(10)]
+METADATA = [ReadMetadata('bahrs', 1 + i // 6, 86805, 10 ** 18 + i, 5 * 10 ** 9 + i)
+            for i in range(10)]
 PIECES = [bytes(range(i, i + 20)) for i in range(10)]
-CHUNKS = [Chunk(data, origin.ros_ns, origin.raw_ns, origin.opening)
-          for data, origin in zip(PIECES, ORIGINS)]
+CHUNKS = [Chunk(data, metadata.ros_ns, metadata.raw_ns, metadata.connection_id)
+          for data, metadata in zip(PIECES, METADATA)]
 
 
 def messages():
     """Return serialised raw messages with their log times."""
-    return [(origin.ros_ns + 1000, serialize_message(raw.message(data, origin.label())))
-            for data, origin in zip(PIECES, ORIGINS)]
+    return [(metadata.ros_ns + 1000, serialize_message(raw.message(data, metadata.to_label())))
+            for data, metadata in zip(PIECES, METADATA)]
 
 
 def write_bag(path, plugin, topics=('/raw',), compression=CompressionMode.NONE, items=None):
