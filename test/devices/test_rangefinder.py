@@ -10,7 +10,7 @@ import re
 import subprocess
 import sys
 
-from bahrs_driver.bag.read_metadata import Origin
+from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.convert import raw
 from bahrs_driver.units import NS_PER_S
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -57,7 +57,7 @@ def raw_messages(recording):
     data = recording.read_bytes()
     for index in range(len(data) // FRAME_SIZE):
         at = 1_700_000_000 * NS_PER_S + index * PERIOD_NS
-        label = Origin('rangefinder', 1, 86805, at, at).label()
+        label = ReadMetadata('rangefinder', 1, 86805, at, at).to_label()
         frame = data[index * FRAME_SIZE:(index + 1) * FRAME_SIZE]
         yield at, serialize_message(raw.message(frame, label))
 
