@@ -17,18 +17,14 @@ from bahrs_driver.cli.files import binary_input
 from bahrs_driver.cli.outputs import add_force, is_standard_output, output_file
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.cli.signals import shutdown_on_signal
+from bahrs_driver.devices.registry import DEVICES
+from bahrs_driver.devices.spec import AnyDevice
 from bahrs_driver.errors import CommandError, NvmError
-from bahrs_driver.pipeline import DecodingFault, Event, Pipeline, Stamped
+from bahrs_driver.pipeline import DecodingFault, Event, Stamped
 from bahrs_driver.process.argument_types import bounded_float
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.process.printable import printable
-from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
-from bahrs_driver.protocol.bahrs.messages import Inertial
-from bahrs_driver.protocol.bahrs.nvm_image import (
-    Assertions, FormatVersion, Found, KNOWN_FORMAT, parse,
-)
-from bahrs_driver.protocol.bahrs.nvm_session import NvmSession, PAGE_SIZE, PAGES, State, VARIANTS
-from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.protocol.memory import FoundBlock, MemoryFormat
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.nvm_reader import NvmReader, OnProgress, SessionOptions
 from bahrs_driver.transport.port_events import Decoded, PortEvent, PortOpened, PortUnavailable
@@ -37,7 +33,9 @@ from bahrs_driver.transport.port_reader import PortReader
 LONGEST_ENTER = 600     # s
 OPEN_TIME = 30.0        # s until the port is open, or the reason is known why it is not
 LISTEN_TIME = 3.0       # s in which a device that streams, or just starts, is heard
-ERASED = '\xff'         # what memory is full of where nobody has written
+ERASED = '\xff'         # byte of erased memory
+_MEMORIES: dict[str, MemoryFormat] = {
+    name: spec.memory for name, spec in DEVICES.items() if spec.memory}
 
 _EXAMPLES = (
     'bahrs nvm read 0 --port /dev/ttyUSB0',
@@ -48,12 +46,12 @@ _EXAMPLES = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
-        'Read the 250 pages of the memory, which is never written to. While it is read the\n'
-        'device is in diagnostics mode and sends no data.')
+        'Read the pages of the memory; nothing is written to it. While it is read, the device\n'
+        'is in diagnostics mode and sends no data.')
     parser.epilog = '\n  '.join(('examples:', *_EXAMPLES))
     actions = parser.add_subparsers(dest='action', metavar='ACTION', required=True)
     read = actions.add_parser('read', help='print one page in hexadecimal')
-    read.add_argument('page', type=int, help=f'number of the page, 0 to {PAGES - 1}')
+    read.add_argument('page', type=int, help='number of the page, from 0 on')
     dump = actions.add_parser('dump', help='write all pages into a file')
     dump.add_argument('file', help='file to write, complete or not at all; - is standard output')
     add_force(dump)
@@ -66,12 +64,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                             default=30.0, metavar='SECONDS',
                             help='how long to ask the device to enter diagnostics mode '
                                  '(default: %(default)s)')
-        action.add_argument('--service-frames', choices=('auto', *VARIANTS), default='auto',
+        action.add_argument('--service-frames', default='auto', choices=tuple(dict.fromkeys(
+            ('auto', *(name for memory in _MEMORIES.values()
+                       for name in memory.request_variants)))),
                             help='checksum and padding of requests (default: %(default)s)')
         action.add_argument('--yes', action='store_true',
                             help='do not ask before a stream is stopped')
     show = actions.add_parser('show', help='say what is in an image')
     show.add_argument('file', help='image of the memory; - is standard input')
+    for action in (read, dump, show):
+        action.add_argument('--sensor', choices=tuple(_MEMORIES), default=next(iter(_MEMORIES)),
+                            help='which device has the memory (default: %(default)s)')
     for action in (dump, show):
         action.add_argument('--json', action='store_true',
                             help='print one JSON object, for a script')
@@ -85,8 +88,9 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _read(options: argparse.Namespace) -> int:
-    if not 0 <= options.page < PAGES:
-        raise CommandError(f'page {options.page} does not exist: pages are 0 to {PAGES - 1}')
+    count = _MEMORIES[options.sensor].page_count
+    if not 0 <= options.page < count:
+        raise CommandError(f'page {options.page} does not exist: pages are 0 to {count - 1}')
     print(_pages(options, [options.page]).hex())
     return 0
 
@@ -94,7 +98,7 @@ def _read(options: argparse.Namespace) -> int:
 def _dump(options: argparse.Namespace) -> int:
     # The file first: what is wrong with it is found out before the stream is stopped.
     with output_file(options.file, options.force) as file:
-        image = _pages(options, range(PAGES))
+        image = _pages(options, range(_MEMORIES[options.sensor].page_count))
         file.write(image)
     digest = hashlib.sha256(image).hexdigest()
     out = sys.stderr if is_standard_output(options.file) else sys.stdout
@@ -115,7 +119,7 @@ def _pages(options: argparse.Namespace, wanted: Sequence[int]) -> bytes:
                 device.nvm, wanted,
                 SessionOptions(options.enter_timeout, options.service_frames),
                 lambda session: progress.update(task, completed=session.progress,
-                                                description=_description(session)))
+                                                description=session.description))
     return b''.join(pages[number] for number in wanted)
 
 
@@ -135,12 +139,6 @@ def _read_until_signal(reader: NvmReader, wanted: Sequence[int], options: Sessio
             raise CommandError(str(error)) from error
 
 
-def _description(session: NvmSession) -> str:
-    if session.state is State.ENTERING:
-        return 'asking to enter diagnostics mode (if it goes on: switch the device off and on)'
-    return str(session.state.value)
-
-
 def _ask() -> None:
     if not sys.stdin.isatty():
         raise CommandError('the device streams, and reading its memory stops that: say --yes')
@@ -153,16 +151,15 @@ def _ask() -> None:
 class Device:
     """A device whose stream is read in a thread, and whose memory can be read."""
 
-    def __init__(self, link: Link, port: str) -> None:
-        frame_format = BahrsFormat()
+    def __init__(self, spec: AnyDevice, link: Link, port: str) -> None:
+        pipeline, self.nvm = spec.memory_access(link)
         self.failure = ''
         self._port = port
         self._faults = FaultLog(_complain, str)
-        self._reader = PortReader(link, Pipeline(Framer(frame_format), BahrsCodec()),
-                                  self._faults)
+        self._reader = PortReader(link, pipeline, self._faults)
+        self._sample = spec.roles.sample if spec.roles else ()
         self._opened = threading.Event()
         self._streams = threading.Event()
-        self.nvm = NvmReader(link, lambda: frame_format.version_seen)
         self.stop = self._reader.stop
 
     def streams(self, timeout: float) -> bool:
@@ -194,7 +191,7 @@ class Device:
         if isinstance(item, DecodingFault):
             self._faults.report('decoding a frame', item.error)
         elif isinstance(item, Stamped):
-            if isinstance(item.message, Inertial):
+            if isinstance(item.message, self._sample):
                 self._streams.set()
             self.nvm.receive(item.message, item.frame)
 
@@ -206,7 +203,8 @@ def _complain(sentence: str) -> None:
 @contextlib.contextmanager
 def _device(options: argparse.Namespace) -> Iterator[Device]:
     try:
-        device = Device(Link(options.port, options.baud_rate), options.port)
+        link = Link(options.port, options.baud_rate)
+        device = Device(DEVICES[options.sensor], link, options.port)
     except ValueError as error:
         raise CommandError(f'{options.port} cannot be opened: {error}') from error
     thread = threading.Thread(target=device.run, name='reader')
@@ -219,12 +217,13 @@ def _device(options: argparse.Namespace) -> Iterator[Device]:
 
 
 def _show(options: argparse.Namespace) -> int:
+    memory = _MEMORIES[options.sensor]
     with binary_input(options.file) as file:
-        image = file.read(PAGES * PAGE_SIZE + 1)
-    if len(image) > PAGES * PAGE_SIZE:
-        raise CommandError(f'{options.file} is no image: an image has {PAGES * PAGE_SIZE:,} bytes')
+        image = file.read(memory.size + 1)
+    if len(image) > memory.size:
+        raise CommandError(f'{options.file} is no image: an image has {memory.size:,} bytes')
     try:
-        blocks = list(parse(image))
+        blocks = list(memory.parse(image))
     except ValueError as error:
         raise CommandError(f'{options.file} is no image: {error}') from error
     if options.json:
@@ -235,30 +234,31 @@ def _show(options: argparse.Namespace) -> int:
     else:
         for found in blocks:
             _print_block(found)
-    version = blocks[0].block
-    if blocks[0].intact and isinstance(version, FormatVersion) \
-            and (version.major, version.minor) != KNOWN_FORMAT:
-        print(f'bahrs nvm: the image has format {version.major}.{version.minor}, and '
-              f'is shown as if it had {KNOWN_FORMAT[0]}.{KNOWN_FORMAT[1]}', file=sys.stderr)
+    complaint = memory.complain(blocks)
+    if complaint:
+        print(f'bahrs nvm: {complaint}', file=sys.stderr)
     damaged = [found.block.NAME for found in blocks if found.intact is False]
     if damaged:
         print(f"bahrs nvm: damaged: {', '.join(damaged)}", file=sys.stderr)
     return bool(damaged)
 
 
-def _print_block(found: Found) -> None:
+def _print_block(found: FoundBlock) -> None:
     block = found.block
     verdict = {True: 'CRC good', False: 'CRC BAD', None: 'no CRC'}[found.intact]
     print(f'{block.NAME} ({verdict})')
-    if isinstance(block, Assertions):
-        print(f'  {"position":<20}{block.position}')
-        log = block.log.rstrip(f'\n{ERASED}')
-        for line in log.split('\n') if log else ['none']:
-            print(f'  {printable(line, len(block.log) * 4 + 1)}')
-        return
     for item in fields(block):
-        unit = item.metadata['rows'][1].unit
-        print(f'  {item.name:<20}{_plain(getattr(block, item.name))} {unit}'.rstrip())
+        value, unit = getattr(block, item.name), item.metadata['rows'][1].unit
+        if isinstance(value, str):
+            _print_text(value)
+        else:
+            print(f'  {item.name:<20}{_plain(value)} {unit}'.rstrip())
+
+
+def _print_text(value: str) -> None:
+    text = value.rstrip(f'\n{ERASED}')
+    for line in text.split('\n') if text else ['none']:
+        print(f'  {printable(line, len(value) * 4 + 1)}')
 
 
 def _finite(value: object) -> object:

@@ -14,11 +14,15 @@ from typing import Any, ClassVar, Generic, TYPE_CHECKING, TypeVar
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.stream_decoder import StreamDecoder
 from bahrs_driver.protocol.framing import Frame, FrameFormat
+from bahrs_driver.protocol.memory import MemoryFormat
 from bahrs_driver.protocol.message_roles import MessageRoles
 
 if TYPE_CHECKING:
     from bahrs_driver.devices.parts import Parts
     from bahrs_driver.emulator.device import DeviceEmulation
+    from bahrs_driver.pipeline import Pipeline
+    from bahrs_driver.transport.link import Link
+    from bahrs_driver.transport.nvm_reader import NvmReader
 
 Settings = TypeVar('Settings', bound=CommonSettings)
 
@@ -33,6 +37,7 @@ class DeviceSpec(ABC, Generic[Settings]):
     probe_requests: ClassVar[Sequence[bytes]] = ()
     # Message types for the clock; None if messages hold no device time of samples.
     roles: ClassVar[MessageRoles | None] = None
+    memory: ClassVar[MemoryFormat | None] = None
     stream_decoder: type[StreamDecoder[Settings]]
 
     @abstractmethod
@@ -42,6 +47,10 @@ class DeviceSpec(ABC, Generic[Settings]):
     @abstractmethod
     def emulation(self) -> 'DeviceEmulation':
         """Return what emulates the device."""
+
+    def memory_access(self, link: 'Link') -> 'tuple[Pipeline, NvmReader]':
+        """Return what decodes a link and reads the memory through it, for `bahrs nvm`."""
+        raise NotImplementedError(f'a {self.label} has no memory')
 
     @abstractmethod
     def topics(self) -> Mapping[str, type]:

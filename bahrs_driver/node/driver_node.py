@@ -35,7 +35,12 @@ from bahrs_driver.settings.parameter_node import ParameterNode
 from bahrs_driver.settings.parameter_requests import ParameterRequests
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.port_events import (
-    BytesRead, Decoded, PortOpened, PortUnavailable, PortUsable, Silence,
+    BytesRead,
+    Decoded,
+    PortOpened,
+    PortUnavailable,
+    PortUsable,
+    Silence,
 )
 from bahrs_driver.transport.port_reader import PortReader
 from diagnostic_msgs.msg import DiagnosticArray
@@ -101,7 +106,8 @@ class DriverNode(ParameterNode):
         self.create_timer(DIAGNOSTICS_PERIOD, self._report, clock=steady)
         self.create_timer(WATCH_PERIOD, self._watch, clock=steady)
         self.create_service(SelfTest, '~/self_test', self._self_test)
-        self._nvm_services = NvmServices(self, live.nvm, self.faults) if live.nvm else None
+        self._nvm_services = NvmServices(self, live.nvm, spec.memory.page_count, self.faults) \
+            if live.nvm and spec.memory else None
         for sentence in (*given.warnings(), *parts.warnings):
             self._log.warning(sentence)
 

@@ -13,11 +13,10 @@ from concurrent import futures
 import hashlib
 import json
 
-from bahrs_driver.convert.bahrs import nvm_page
+from bahrs_driver.convert import nvm_page
 from bahrs_driver.errors import NvmError, WriteError
 from bahrs_driver.node.nvm_dump import dump_file
 from bahrs_driver.process.fault_log import FaultLog
-from bahrs_driver.protocol.bahrs.nvm_session import PAGES
 from bahrs_driver.settings.node_settings import read_group
 from bahrs_driver.settings.nvm import Nvm
 from bahrs_driver.transport.nvm_reader import NvmReader, SessionOptions
@@ -38,13 +37,14 @@ Callback = Callable[[Trigger.Request, Trigger.Response],
 class NvmServices:
     """Responds to requests for pages, and publishes every page that was read."""
 
-    def __init__(self, node: Node, reader: NvmReader, faults: FaultLog) -> None:
+    def __init__(self, node: Node, reader: NvmReader, page_count: int, faults: FaultLog) -> None:
         """Create the services and the topic `nvm/page` on a node that has the nvm parameters."""
         self._node = node
         self._reader = reader
+        self._page_count = page_count
         self._faults = faults
         self._pages = node.create_publisher(
-            UInt8MultiArray, nvm_page.TOPIC, PAGES,
+            UInt8MultiArray, nvm_page.TOPIC, page_count,
             qos_overriding_options=QoSOverridingOptions.with_default_policies())
         self._pool = futures.ThreadPoolExecutor(THREADS, thread_name_prefix='nvm')
         self._under_way: set[futures.Future[None]] = set()
@@ -99,7 +99,7 @@ class NvmServices:
         settings = self._settings()
         # The file first: its problems are reported before the stream is stopped.
         with dump_file(settings.directory, settings.dump_path) as (path, file):
-            image = self._read(range(PAGES))
+            image = self._read(range(self._page_count))
             file.write(image)
             file.commit()
         return {'path': path, 'bytes': len(image), 'sha256': hashlib.sha256(image).hexdigest()}

@@ -7,8 +7,8 @@ import math
 from typing import Any
 
 from bahrs_driver.clock import ArrivalClock, Clock, ClockOptions, SampleClock
+from bahrs_driver.convert import nvm_page
 from bahrs_driver.convert.axes import CONVENTIONS
-from bahrs_driver.convert.bahrs import nvm_page
 from bahrs_driver.convert.bahrs.converter import BahrsConverter, BahrsOptions
 from bahrs_driver.convert.bahrs.integrity_policy import Appraisal
 from bahrs_driver.devices.bahrs.health import BahrsHealth

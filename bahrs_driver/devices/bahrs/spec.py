@@ -8,14 +8,18 @@ from typing import Any, TYPE_CHECKING
 from bahrs_driver.devices.bahrs.settings import BahrsSettings
 from bahrs_driver.devices.bahrs.stream_decoder import BahrsStreamDecoder
 from bahrs_driver.devices.spec import DeviceSpec
-from bahrs_driver.protocol.bahrs.frames import BahrsFormat, frame_type
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat, frame_type
 from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation
+from bahrs_driver.protocol.bahrs.nvm_image import MEMORY
 from bahrs_driver.protocol.bahrs.roles import ROLES
-from bahrs_driver.protocol.framing import Frame, FrameFormat
+from bahrs_driver.protocol.framing import Frame, FrameFormat, Framer
 
 if TYPE_CHECKING:
     from bahrs_driver.devices.parts import Parts
     from bahrs_driver.emulator.device import DeviceEmulation
+    from bahrs_driver.pipeline import Pipeline
+    from bahrs_driver.transport.link import Link
+    from bahrs_driver.transport.nvm_reader import NvmReader
 
 PERIODS = {Inertial.TYPE: 0.005, Navigation.TYPE: 0.01}     # s
 
@@ -27,6 +31,7 @@ class BahrsSpec(DeviceSpec[BahrsSettings]):
     label = 'BAHRS'
     settings = BahrsSettings
     roles = ROLES
+    memory = MEMORY
     stream_decoder = BahrsStreamDecoder
 
     def frame_format(self) -> FrameFormat:
@@ -45,6 +50,14 @@ class BahrsSpec(DeviceSpec[BahrsSettings]):
         """Return what emulates the device."""
         from bahrs_driver.devices.bahrs import emulation
         return emulation
+
+    def memory_access(self, link: 'Link') -> 'tuple[Pipeline, NvmReader]':
+        """Return what decodes a link and reads the memory through it, for `bahrs nvm`."""
+        from bahrs_driver.pipeline import Pipeline
+        from bahrs_driver.transport.nvm_reader import NvmReader
+        frame_format = BahrsFormat()
+        return (Pipeline(Framer(frame_format), BahrsCodec()),
+                NvmReader(link, lambda: frame_format.version_seen))
 
     def topics(self) -> Mapping[str, type]:
         """Return the message type of each topic."""

@@ -1,33 +1,27 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What is in the non-volatile memory of a BAHRS, format 1.1, one row for each field.
+The non-volatile memory of a BAHRS, format 1.1, one row for each field.
 
 The blocks follow each other without gaps, little-endian, from the first byte on; most end in
 the CRC-32 of their bytes. The rest of the memory is unused.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 from bahrs_driver.protocol.bahrs import checksum
+from bahrs_driver.protocol.bahrs.nvm_session import PAGE_SIZE, PAGES, VARIANTS
 from bahrs_driver.protocol.layout import integer, integers, Layout, real, reals, text, Vector, wire
+from bahrs_driver.protocol.memory import FoundBlock, MemoryBlock, MemoryFormat
 
 KNOWN_FORMAT = 1, 1         # major, minor
 CRC_SIZE = 4
 
 
 @dataclass(frozen=True, slots=True)
-class ImageBlock:
-    """Base of all blocks: a name, and whether a CRC-32 follows."""
-
-    NAME: ClassVar[str]
-    CHECKED: ClassVar[bool] = True
-
-
-@dataclass(frozen=True, slots=True)
-class FormatVersion(ImageBlock):
+class FormatVersion(MemoryBlock):
     """Version of the image's format."""
 
     NAME: ClassVar[str] = 'format version'
@@ -37,7 +31,7 @@ class FormatVersion(ImageBlock):
 
 
 @dataclass(frozen=True, slots=True)
-class Installation(ImageBlock):
+class Installation(MemoryBlock):
     """Euler angles from the device to the vehicle, in rad."""
 
     NAME: ClassVar[str] = 'installation angles'
@@ -48,7 +42,7 @@ class Installation(ImageBlock):
 
 
 @dataclass(frozen=True, slots=True)
-class Magnetometer(ImageBlock):
+class Magnetometer(MemoryBlock):
     """Calibration of the magnetometer: hard iron, and soft iron as a matrix row by row."""
 
     NAME: ClassVar[str] = 'magnetometer'
@@ -58,7 +52,7 @@ class Magnetometer(ImageBlock):
 
 
 @dataclass(frozen=True, slots=True)
-class Assertions(ImageBlock):
+class Assertions(MemoryBlock):
     """Log of failed assertions of the firmware: where the next is written, and the text."""
 
     NAME: ClassVar[str] = 'assertions'
@@ -69,7 +63,7 @@ class Assertions(ImageBlock):
 
 
 @dataclass(frozen=True, slots=True)
-class Can(ImageBlock):
+class Can(MemoryBlock):
     """Parameters of the CAN bus."""
 
     NAME: ClassVar[str] = 'CAN'
@@ -80,18 +74,11 @@ class Can(ImageBlock):
     update_rates: tuple[int, ...] = wire(integers('I', 12))
 
 
-BLOCKS: tuple[type[ImageBlock], ...] = (
+BLOCKS: tuple[type[MemoryBlock], ...] = (
     FormatVersion, Installation, Magnetometer, Assertions, Can)
 
 
-class Found(NamedTuple):
-    """A block of an image, and whether its CRC is right; None if it has none."""
-
-    block: ImageBlock
-    intact: bool | None
-
-
-def parse(image: bytes) -> Iterator[Found]:
+def parse(image: bytes) -> Iterator[FoundBlock]:
     """Return the blocks of an image; ValueError if it is too short."""
     start = 0
     for kind in BLOCKS:
@@ -101,15 +88,28 @@ def parse(image: bytes) -> Iterator[Found]:
             raise ValueError(f'{len(image)} bytes are too few: the block {kind.NAME} is not whole')
         crc = image[end:end + CRC_SIZE]
         intact = checksum.crc32(image[start:end]) == crc if kind.CHECKED else None
-        yield Found(layout.decode(image, start), intact)
+        yield FoundBlock(layout.decode(image, start), intact)
         start = end + CRC_SIZE * kind.CHECKED
 
 
-def build(*blocks: ImageBlock) -> bytes:
+def complain(blocks: Sequence[FoundBlock]) -> str:
+    """Return a sentence about an image of another format; empty if the format is known."""
+    version = blocks[0].block
+    if not blocks[0].intact or not isinstance(version, FormatVersion) \
+            or (version.major, version.minor) == KNOWN_FORMAT:
+        return ''
+    return (f'the image has format {version.major}.{version.minor}, and is shown as if it had '
+            f'{KNOWN_FORMAT[0]}.{KNOWN_FORMAT[1]}')
+
+
+MEMORY = MemoryFormat(PAGES, PAGE_SIZE, tuple(VARIANTS), parse, complain)
+
+
+def build(*blocks: MemoryBlock) -> bytes:
     """Return the blocks as they stand in an image, with their CRCs."""
     return b''.join(_build(block) for block in blocks)
 
 
-def _build(block: ImageBlock) -> bytes:
+def _build(block: MemoryBlock) -> bytes:
     data = Layout(type(block)).encode(block)
     return data + checksum.crc32(data) if block.CHECKED else data

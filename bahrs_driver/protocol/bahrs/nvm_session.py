@@ -27,8 +27,14 @@ from typing import Literal, NamedTuple
 
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, Checksum
 from bahrs_driver.protocol.bahrs.messages import (
-    Acknowledgement, BahrsMessage, EnterDiagnostics, ExitDiagnostics, Inertial, NvmPage,
-    NvmReadRequest, VERSIONS,
+    Acknowledgement,
+    BahrsMessage,
+    EnterDiagnostics,
+    ExitDiagnostics,
+    Inertial,
+    NvmPage,
+    NvmReadRequest,
+    VERSIONS,
 )
 
 PAGES = 250
@@ -107,6 +113,13 @@ class NvmSession:
     def progress(self) -> float:
         """Share of the pages that were read, 0 to 1."""
         return len(self.pages) / len(self._wanted)
+
+    @property
+    def description(self) -> str:
+        """What the session does, and what the user can do about it."""
+        if self.state is State.ENTERING:
+            return 'asking to enter diagnostics mode (if it goes on: switch the device off and on)'
+        return str(self.state.value)
 
     @property
     def due(self) -> float:
