@@ -1,5 +1,79 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""ROS 2 driver for the BAHRS and Titan-M sensors of unmanned aircraft."""
+"""
+ROS 2 driver for the BAHRS and Titan-M sensors of unmanned aircraft.
+
+The names in `__all__` are the public interface for scripts. They need neither ROS nor numpy, and
+each is imported when it is first used. The messages of a device are dataclasses, in SI units, with
+a NAME: those of a BAHRS are in bahrs_driver.protocol.bahrs.messages.
+
+Decode a file of bytes, or any iterable of bytes. Each message comes with the frame that carried it
+and its device time in microseconds, None where that is not known:
+
+>>> import bahrs_driver
+>>> with open('flight.bin', 'rb') as file:
+...     samples = [(device_time_us, message.specific_force)
+...                for frame, message, device_time_us in bahrs_driver.decode(file, 'bahrs')
+...                if message.NAME == 'inertial']
+>>> samples[0]
+(600000, (0.0, 0.0, -9.8059092))
+
+Decode a live stream, and stamp each message with the host's time at which it was measured. An
+Instant is the host's time at the end of a read:
+
+>>> device = bahrs_driver.DEVICES['bahrs']
+>>> clock = bahrs_driver.SampleClock(device.roles)
+>>> pipeline = device.stream_decoder(device.settings(), clock).pipeline
+>>> pipeline.open(bahrs_driver.byte_time_ns(115200))
+>>> stamps = []
+>>> for data, instant in reads:
+...     for event in pipeline.feed(data, instant):
+...         if isinstance(event, bahrs_driver.Stamped) and event.message.NAME == 'inertial':
+...             stamps.append(event.stamp_ns)
+>>> round((stamps[-1] - stamps[0]) / (len(stamps) - 1), -3)     # ns from sample to sample
+5000000.0
+
+A Framer alone finds frames in bytes, for devices that the driver does not know.
+"""
+
+from importlib import import_module
+from typing import Any, TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from bahrs_driver.clock import Instant, SampleClock
+    from bahrs_driver.devices.registry import DEVICES
+    from bahrs_driver.errors import BahrsDriverError
+    from bahrs_driver.pipeline import DecodingFault, Notice, Pipeline, Stamped
+    from bahrs_driver.protocol.framing import Frame, Framer
+    from bahrs_driver.reprocess.decode import decode
+    from bahrs_driver.units import byte_time_ns
 
 __version__ = '0.1.0'
+
+__all__ = [
+    'BahrsDriverError', 'DEVICES', 'DecodingFault', 'Frame', 'Framer', 'Instant', 'Notice',
+    'Pipeline', 'SampleClock', 'Stamped', '__version__', 'byte_time_ns', 'decode']
+
+_MODULES = {
+    'clock': ('Instant', 'SampleClock'),
+    'devices.registry': ('DEVICES',),
+    'errors': ('BahrsDriverError',),
+    'pipeline': ('DecodingFault', 'Notice', 'Pipeline', 'Stamped'),
+    'protocol.framing': ('Frame', 'Framer'),
+    'reprocess.decode': ('decode',),
+    'units': ('byte_time_ns',)}
+_MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used (PEP 562)."""
+    if name not in _MODULE_OF:
+        raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
+    value = getattr(import_module(f'{__name__}.{_MODULE_OF[name]}'), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """Return all names, also those that were not used yet."""
+    return sorted({*globals(), *__all__})

@@ -7,6 +7,7 @@ import argparse
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, Generic, TypeVar
 
+from bahrs_driver.clock import Clock
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.pipeline import Pipeline, Stamped
 from bahrs_driver.protocol.framing import Frame
@@ -33,8 +34,8 @@ class StreamDecoder(ABC, Generic[Settings]):
         return None
 
     @abstractmethod
-    def __init__(self, settings: Settings) -> None:
-        """Set pipeline, which leaves messages unstamped."""
+    def __init__(self, settings: Settings, clock: Clock | None = None) -> None:
+        """Set pipeline, which leaves messages unstamped without a clock."""
 
     def messages(self, items: Iterable[Stamped]) -> Iterator[tuple[Frame, Any]]:
         """Yield the messages whose content is known by now, in the order of the stream."""

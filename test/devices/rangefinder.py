@@ -76,8 +76,8 @@ class RangeStreamDecoder(StreamDecoder):
 
     kinds = (Range,)
 
-    def __init__(self, _settings):
-        self.pipeline = Pipeline(Framer(RangeFormat()), RangeDecoder())
+    def __init__(self, _settings, clock=None):
+        self.pipeline = Pipeline(Framer(RangeFormat()), RangeDecoder(), clock)
 
 
 class RangeConverter(Converter):

@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Sequence
 from typing import Any
 
+from bahrs_driver.clock import Clock
 from bahrs_driver.devices.bahrs.settings import BahrsSettings, PressureHeight
 from bahrs_driver.devices.stream_decoder import StreamDecoder
 from bahrs_driver.pipeline import Pipeline
@@ -34,9 +35,10 @@ class BahrsStreamDecoder(StreamDecoder[BahrsSettings]):
         return BahrsSettings(crc_order=options.crc,
                              pressure_height=PressureHeight(options.pressure_height))
 
-    def __init__(self, settings: BahrsSettings) -> None:
+    def __init__(self, settings: BahrsSettings, clock: Clock | None = None) -> None:
         self._format = BahrsFormat(settings.crc_order)
-        self.pipeline = Pipeline(Framer(self._format), BahrsCodec(settings.pressure_height.format))
+        self.pipeline = Pipeline(Framer(self._format), BahrsCodec(settings.pressure_height.format),
+                                 clock)
 
     def head_values(self, frame: Frame) -> dict[str, Any]:
         """Return the protocol version."""

@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
+from bahrs_driver.clock import Clock
 from bahrs_driver.devices.stream_decoder import StreamDecoder
 from bahrs_driver.devices.titan_m.settings import TitanMSettings
 from bahrs_driver.pipeline import Pipeline, Stamped
@@ -40,10 +41,10 @@ class TitanStreamDecoder(StreamDecoder[TitanMSettings]):
         return TitanMSettings(payload_order=options.payload_order,
                               checksum_order=options.checksum_order)
 
-    def __init__(self, settings: TitanMSettings) -> None:
+    def __init__(self, settings: TitanMSettings, clock: Clock | None = None) -> None:
         self._format = AnswerFormat(settings.checksum_order)
         self._reader = PayloadReader[Frame](settings.payload_order, MOST_HELD)
-        self.pipeline = Pipeline(Framer(self._format), AnswerCodec())
+        self.pipeline = Pipeline(Framer(self._format), AnswerCodec(), clock)
 
     def messages(self, items: Iterable[Stamped]) -> Iterator[tuple[Frame, Any]]:
         """Yield the messages whose byte order is known by now, in the order of the stream."""
