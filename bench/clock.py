@@ -1,11 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-How far stamps are from the truth, in all cases and ways, and what a stamp costs.
+Measure the errors of stamps for all cases and methods, and the cost of a stamp.
 
-Simulated, ten minutes a run, on seeds that no parameter was chosen with. With --node also through
-a real pseudo-terminal, the driver and the middleware, in a subscriber. Writes bench/clock.md and
-docs/clock.png.
+Runs are simulated, for ten minutes each, with seeds that no parameter was tuned on. With --node,
+also measure in a subscriber, through a real pseudo-terminal, the driver and the middleware. Write
+bench/clock.md and docs/clock.png.
 """
 
 import argparse
@@ -28,7 +28,7 @@ SEEDS = (101, 102, 103)
 ADAPTERS = {'16 ms timer': 0.016, '62-byte packets': 'packets', '1 ms timer': 0.001,
             'plain': 'plain'}
 SETTLED = 10.0          # s
-STEP_US = 400_000       # below what the host is set by
+STEP_US = 400_000       # less than the steps of the host
 PULSES = ClockOptions(source='sync_pulse')
 
 
@@ -59,12 +59,12 @@ CASES = {
 }
 
 
-def judged(stamps: list[Stamp], case: Case, settled: float = SETTLED) -> list[float]:
+def settled_errors(stamps: list[Stamp], case: Case, settled: float = SETTLED) -> list[float]:
     """
-    Return the errors of a run once settled.
+    Return the errors of a run, without those while the clock settles after power-on.
 
-    Not settled are the first seconds after power-on. What was measured before a host was set and
-    read after it is on the new time, and is not counted.
+    Samples measured before a step of the host and read after it have the new time, and are not
+    counted.
     """
     begins = (0.0, *case.restarts)
     return [stamp.error_us for stamp in stamps
@@ -73,23 +73,23 @@ def judged(stamps: list[Stamp], case: Case, settled: float = SETTLED) -> list[fl
 
 
 def adapters() -> Iterator[tuple[object, ...]]:
-    """Yield rows: every way with every adapter."""
+    """Yield a row per adapter and method."""
     for name, adapter in ADAPTERS.items():
         errors: dict[str, list[float]] = {}
         for seed in SEEDS:
             case = Case(adapter=adapter)
             for way, stamps in others(case, seed).items():
-                errors.setdefault(way, []).extend(judged(stamps, case))
-            errors.setdefault('**ours**', []).extend(judged(ours(case, seed)[0], case))
+                errors.setdefault(way, []).extend(settled_errors(stamps, case))
+            errors.setdefault('**ours**', []).extend(settled_errors(ours(case, seed)[0], case))
             pulsed = replace(case, pulses=(1.0, case.seconds))
             errors.setdefault('**ours, with pulses**', []).extend(
-                judged(ours(pulsed, seed, PULSES)[0], pulsed))
+                settled_errors(ours(pulsed, seed, PULSES)[0], pulsed))
         for way, values in errors.items():
             yield name, way, *figures(values)
 
 
 def cases() -> Iterator[tuple[object, ...]]:
-    """Yield rows: our clock in every case, without pulses and with."""
+    """Yield a row per case of this clock, without and with pulses."""
     for name, case in CASES.items():
         for adapter in ('16 ms timer', '62-byte packets'):
             for way, options in (('passive', ClockOptions()), ('pulses', PULSES)):
@@ -97,7 +97,7 @@ def cases() -> Iterator[tuple[object, ...]]:
                               pulses=(1.0, case.seconds) if options is PULSES else (0.0, 0.0))
                 stamps, clock = ours(run, SEEDS[0], options)
                 state = clock.state()
-                yield (f'{name}, {adapter}', way, *figures(judged(stamps, run)),
+                yield (f'{name}, {adapter}', way, *figures(settled_errors(stamps, run)),
                        sum(stamp.stamp > stamp.read for stamp in stamps),
                        sum(later.stamp <= earlier.stamp
                            for earlier, later in zip(stamps, stamps[1:])),
@@ -105,7 +105,7 @@ def cases() -> Iterator[tuple[object, ...]]:
 
 
 def settling() -> Iterator[tuple[object, ...]]:
-    """Yield rows: the largest error of the first seconds, after power-on and after a restart."""
+    """Yield a row per adapter: the largest errors after power-on and after a restart."""
     for name, adapter in ADAPTERS.items():
         worst = [0.0] * 4
         for seed in range(SEEDS[0], SEEDS[0] + 20):
@@ -119,7 +119,7 @@ def settling() -> Iterator[tuple[object, ...]]:
 
 
 def converted() -> Iterator[tuple[object, ...]]:
-    """Yield rows: live and converted afterwards, from the first stamp on."""
+    """Yield a row per case, live and converted, from the first stamp on."""
     runs = {name: Case(adapter=adapter) for name, adapter in ADAPTERS.items()}
     runs |= {f'{name}, 16 ms timer': CASES[name] for name in (
         '1 % of frames lost', 'device restarted twice', 'overload of 40 s',
@@ -127,11 +127,11 @@ def converted() -> Iterator[tuple[object, ...]]:
     for name, case in runs.items():
         for way, stamps in (('live', ours(case, SEEDS[0])[0]),
                             ('**converted**', smoothed(case, SEEDS[0]))):
-            yield name, way, *figures(judged(stamps, case, 0.0))
+            yield name, way, *figures(settled_errors(stamps, case, 0.0))
 
 
 def cost() -> Iterator[tuple[object, ...]]:
-    """Yield rows: microseconds a message; the floor makes the same tuples and no more."""
+    """Yield a row per adapter: microseconds per message; the floor only makes the tuples."""
     for name, adapter in ADAPTERS.items():
         reads = list(Simulation(Case(60.0, adapter), SEEDS[0]).reads())
         count = sum(len(messages) for _, _, messages in reads)
@@ -153,7 +153,7 @@ def cost() -> Iterator[tuple[object, ...]]:
 
 
 def best(work: Callable[[], None], runs: int = 5) -> float:
-    """Return the microseconds of the best of several runs."""
+    """Return the duration of the fastest of several runs, in microseconds."""
     times = []
     for _ in range(runs):
         begin = time.perf_counter()
@@ -163,31 +163,30 @@ def best(work: Callable[[], None], runs: int = 5) -> float:
 
 
 def report(node: bool) -> Iterator[str]:
-    """Yield the parts of the page."""
-    yield ('# How far stamps are from the truth\n\nWritten by `make bench-clock`. '
-           'Microseconds; p50, p99 and max of the error itself, of which a constant delay cannot '
-           'be observed without pulses, then of the error about its own median ("wander").')
+    """Yield the sections of the page."""
+    yield ('# Errors of stamps\n\nWritten by `make bench-clock`. All figures are in microseconds: '
+           'p50, p99 and maximum of the error, then of the error about its median ("wander"). A '
+           'constant delay cannot be observed without pulses.')
     yield (f'## Adapters\n\nSimulated, {len(SEEDS)} runs of ten minutes, from {SETTLED:.0f} s on. '
-           'The other ways are given the true device time of every sample.')
+           'The other methods use the true device time of every sample.')
     yield table(HEADER, adapters())
-    yield '## Cases\n\nOur clock. The last three columns count stamps.'
+    yield '## Cases\n\nThis clock. The last three columns count stamps.'
     yield table((*HEADER, 'after their read', 'not increasing', 'dropped'), cases())
-    yield ('## Settling\n\nLargest error of 20 runs. A sample that was held until device time was '
-           'known counts at the time of the read that released it.')
+    yield ('## Settling\n\nLargest error of 20 runs. A sample that was held counts at the time of '
+           'the read that released it.')
     yield table(('adapter', 'first 2 s', 'then, to 20 s', 'first second after a restart',
                  'then'), settling())
-    yield ('## Converted afterwards\n\nThe same ten minutes live, and by `bahrs convert` with '
-           'time known from both sides; from the first stamp on, settling included.')
+    yield ('## Conversion of a recording\n\nThe same ten minutes live, and by `bahrs convert`; '
+           'from the first stamp on, settling included.')
     yield table(HEADER, converted())
-    yield '## Cost\n\nMicroseconds a message, and the floor in the same run.'
-    yield table(('adapter', 'messages a read', 'floor', 'clock', 'clock / floor'), cost())
+    yield '## Cost\n\nMicroseconds per message, and the floor in the same run.'
+    yield table(('adapter', 'messages per read', 'floor', 'clock', 'clock / floor'), cost())
     if node:
         from clock_node import measured, NODE_HEADER
         yield ('## In a subscriber\n\nEmulated device on a real pseudo-terminal, driver, '
-               'middleware; against the truth that the emulator wrote. The floor is the '
-               'machine itself: from a write into a bare pseudo-terminal to who waits for it, '
-               'the least delay of each half second. A driver sees through it no better than it '
-               'holds still.')
+               'middleware; against the ground truth of the emulator. The floor is the '
+               'minimum delay of each half second from a write into a bare pseudo-terminal to '
+               'its reader: no driver can be more stable than the host.')
         yield table(NODE_HEADER, measured())
         yield ('## A flight and its conversion\n\nEmulated device, driver with `publish.raw`, '
                '`bahrs record`, `bahrs convert`; all stamps of both bags, from the first on.')
@@ -195,7 +194,7 @@ def report(node: bool) -> Iterator[str]:
 
 
 def main() -> int:
-    """Write page and picture."""
+    """Write the page and the picture."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--node', action='store_true', help='also through the real node')
     options = parser.parse_args()

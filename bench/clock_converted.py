@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Stamps of a flight, and those that `bahrs convert` makes of its raw bytes, against the truth."""
+"""Errors of the stamps of a flight, live and converted from its raw bytes."""
 
 from collections.abc import Iterator
 import json
@@ -9,7 +9,7 @@ import tempfile
 
 from bahrs_driver.clock import Clock, SampleClock
 from bahrs_driver.protocol.bahrs.roles import ROLES
-from clock_methods import judged_stamps, Stamp
+from clock_methods import Stamp, stamps_of_read
 from clock_node import errors_of
 from clock_simulation import BYTE_TIME, Case, Read, Simulation
 from clock_table import figures
@@ -28,7 +28,7 @@ LONG = 120.0
 
 
 def smoothed(case: Case, seed: int) -> list[Stamp]:
-    """Return what a conversion makes of a simulated case."""
+    """Return the stamps of a conversion of a simulated case."""
     simulation, smoothing = Simulation(case, seed), SampleClock(ROLES).smoothing()
     reads = list(simulation.reads())
     _stamped(simulation, reads, smoothing.first_pass)
@@ -40,12 +40,12 @@ def _stamped(simulation: Simulation, reads: list[Read], clock: Clock) -> list[St
     clock.begin(BYTE_TIME)
     for now, received, messages in reads:
         clock.observe_read(now, received)
-        stamps += judged_stamps(simulation, now, clock.stamp(messages))
+        stamps += stamps_of_read(simulation, now, clock.stamp(messages))
     return stamps
 
 
 def through_the_node() -> Iterator[tuple[object, ...]]:
-    """Yield rows: each adapter, live and converted, the first seconds included."""
+    """Yield a row per adapter, live and converted, the first seconds included."""
     use_own_domain()
     for timer in TIMERS:
         for of, errors in _run(timer):

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What this machine itself is late by: from a write into a pseudo-terminal to who waits for it.
+Measure the delay of this machine, from a write into a pseudo-terminal to its reader.
 
-Nobody who reads a port can tell the time of what comes any better. Each half second counts with
-its least delay, as with the clock.
+No reader of a port can be more accurate. Each half second counts with its minimum delay, as in the
+clock.
 """
 
 from collections.abc import Iterator
@@ -33,7 +33,7 @@ while due < end:
 
 
 def least_delays(timer: str) -> list[float]:
-    """Return the least delay of each half second in us, with bursts as an adapter makes them."""
+    """Return the minimum delay of each half second in us, with bursts like those of an adapter."""
     near, far = pty.openpty()
     tty.setraw(far)
     words = [sys.executable, '-c', WRITER, str(PERIODS[timer]), str(SECONDS)]

@@ -1,9 +1,9 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Ways to stamp samples, side by side: ours, and what other drivers do.
+Methods to stamp samples: this clock, and those of other drivers.
 
-Those of others are given more than a driver has: the true device time of every sample.
+The other methods use more than a driver has: the true device time of every sample.
 """
 
 from collections import deque
@@ -17,12 +17,12 @@ from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.units import NS_PER_S
 from clock_simulation import BYTE_TIME, Case, ORIGIN, Simulation
 
-AVERAGE_WEIGHT = 0.01       # of the latest sample: two seconds back count for little
+AVERAGE_WEIGHT = 0.01       # of the latest sample; the time constant is half a second
 WINDOW = 5 * NS_PER_S
 
 
 class Stamp(NamedTuple):
-    """A stamp of an inertial sample, and its truth in the same time."""
+    """The stamp of an inertial sample, and its error."""
 
     time: float             # s since power-on, of the read
     error_us: float
@@ -31,9 +31,9 @@ class Stamp(NamedTuple):
 
 
 class Arrival:
-    """The time of the read that completed the frame: most drivers."""
+    """The time of the read that completed the frame, as in most drivers."""
 
-    def __call__(self, device: int, arrival: int) -> int:
+    def __call__(self, _device: int, arrival: int) -> int:
         """Return the raw time of a sample."""
         return arrival
 
@@ -55,7 +55,7 @@ class Average:
 
 
 class WindowMinimum:
-    """Device time plus the least offset to arrival of the last five seconds."""
+    """Device time plus the smallest offset to arrival of the last five seconds."""
 
     def __init__(self) -> None:
         """Start without a sample."""
@@ -77,7 +77,7 @@ OTHERS: dict[str, Callable[[], Callable[[int, int], int]]] = {
 
 
 def others(case: Case, seed: int) -> dict[str, list[Stamp]]:
-    """Return what the ways of others make of a case."""
+    """Return the stamps of a case by the other methods."""
     simulation = Simulation(case, seed)
     methods = {name: make() for name, make in OTHERS.items()}
     stamps: dict[str, list[Stamp]] = {name: [] for name in methods}
@@ -87,28 +87,28 @@ def others(case: Case, seed: int) -> dict[str, list[Stamp]]:
             if isinstance(message, Inertial):
                 for name, method in methods.items():
                     raw = method(simulation.device_times[frame.offset], now.raw_ns)
-                    stamps[name].append(_judged(simulation, now, frame, raw + offset))
+                    stamps[name].append(_stamp_of(simulation, now, frame, raw + offset))
     return stamps
 
 
 def ours(case: Case, seed: int,
          options: ClockOptions = ClockOptions()) -> tuple[list[Stamp], SampleClock]:
-    """Return what our clock makes of a case, and the clock."""
+    """Return the stamps of a case by this clock, and the clock."""
     simulation, clock = Simulation(case, seed), SampleClock(ROLES, options)
     clock.begin(BYTE_TIME)
     stamps = []
     for now, received, messages in simulation.reads():
         clock.observe_read(now, received)
-        stamps += judged_stamps(simulation, now, clock.stamp(messages))
+        stamps += stamps_of_read(simulation, now, clock.stamp(messages))
     return stamps, clock
 
 
-def judged_stamps(simulation: Simulation, now: Instant, stamped: list[Stamped]) -> list[Stamp]:
-    """Return the stamps of inertial samples that a read gave, with their errors."""
-    return [_judged(simulation, now, frame, stamp)
+def stamps_of_read(simulation: Simulation, now: Instant, stamped: list[Stamped]) -> list[Stamp]:
+    """Return the stamps of the inertial samples of a read, with their errors."""
+    return [_stamp_of(simulation, now, frame, stamp)
             for message, frame, stamp in stamped if isinstance(message, Inertial)]
 
 
-def _judged(simulation: Simulation, now: Any, frame: Frame, stamp: int) -> Stamp:
+def _stamp_of(simulation: Simulation, now: Any, frame: Frame, stamp: int) -> Stamp:
     truth = simulation.case.ros(simulation.truths[frame.offset])
     return Stamp((now.raw_ns - ORIGIN) / NS_PER_S, (stamp - truth) / 1000, stamp, now.ros_ns)

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Stamp errors in a subscriber: emulator, pseudo-terminal, driver, middleware, all real."""
+"""Errors of stamps in a subscriber, through a real pseudo-terminal, driver and middleware."""
 
 from collections.abc import Iterator
 import json
@@ -24,7 +24,7 @@ PERIOD, EARLIEST = 5_000_000, 1_000_000      # ns
 
 
 def measured() -> Iterator[tuple[object, ...]]:
-    """Yield rows: each adapter with each source, and the floor."""
+    """Yield a row per adapter and source, and the floor."""
     use_own_domain()
     for timer in TIMERS:
         floor = least_delays(timer)
@@ -35,7 +35,7 @@ def measured() -> Iterator[tuple[object, ...]]:
 
 
 def run(timer: str, source: str) -> Iterator[float]:
-    """Yield the errors in us of a run, once settled."""
+    """Yield the errors of a run in us, once settled."""
     with tempfile.TemporaryDirectory() as folder:
         port, truth_file = f'{folder}/port', Path(folder, 'truth.jsonl')
         with listening({'imu/data_raw': Imu}) as ear, running(
@@ -55,7 +55,7 @@ def run(timer: str, source: str) -> Iterator[float]:
 
 
 def errors_of(stamps: list[int], times: list[int], settled: float = 0.0) -> Iterator[float]:
-    """Yield the errors in us of stamps in ns, from some seconds after the first truth on."""
+    """Yield the errors in us of stamps in ns, beginning some seconds after the first sample."""
     begin = times[0] + settled * 1e9
     for stamp, time_ns in zip(stamps, times[_missed(stamps, times):]):
         if time_ns >= begin:
@@ -64,10 +64,10 @@ def errors_of(stamps: list[int], times: list[int], settled: float = 0.0) -> Iter
 
 def _missed(stamps: list[int], truths: list[int]) -> int:
     """
-    Return how many samples were sent before the first one heard.
+    Return how many samples were sent before the first one received.
 
-    No stamp is much before its truth, and the best are within a period after it, so the largest
-    number with which that is so is the right one.
+    No stamp is much earlier than its sample, and the best are less than a period later. So the
+    largest count for which that holds is the right one.
     """
     least = min(stamp - truth for stamp, truth in zip(stamps, truths))
     return max(0, (least + EARLIEST) // PERIOD)

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The picture of docs/clock.md: stamp error over time."""
+"""Draw the picture of docs/clock.md: errors of stamps over time."""
 
 from pathlib import Path
 
@@ -16,7 +16,7 @@ STYLE = {'arrival': {'color': '#c0c0c0', 'marker': '.', 'linestyle': '', 'marker
 
 
 def draw(path: Path, case: Case, seed: int) -> None:
-    """Draw a run into a file."""
+    """Draw the errors of a run into a file."""
     ways: dict[str, list[Stamp]] = {**others(case, seed), 'ours': ours(case, seed)[0]}
     figure, (whole, near) = pyplot.subplots(2, 1, sharex=True, figsize=(9, 6))
     for way, style in STYLE.items():
@@ -30,7 +30,7 @@ def draw(path: Path, case: Case, seed: int) -> None:
     near.set_ylabel('error of ours / µs')
     near.set_xlabel('time since power-on / s')
     whole.legend(loc='upper right', markerscale=6)
-    whole.set_title('Stamps less true time: adapter with a latency timer of 16 ms')
+    whole.set_title('Error of stamps: adapter with a latency timer of 16 ms')
     for axes in (whole, near):
         axes.grid(alpha=0.3)
     figure.tight_layout()

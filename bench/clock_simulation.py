@@ -1,9 +1,9 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-A device, a line, an adapter and a busy host, in simulated time, with the truth known.
+Simulate a device, a line, an adapter and a busy host, with known truth.
 
-It makes messages and the moments at which they are read, not bytes, so that ten minutes take
+The simulation makes messages and the instants of their reads, not bytes, so ten minutes take a few
 seconds. Each stage is a generator over the one before. True time is the host's raw time, in ns.
 """
 
@@ -30,8 +30,8 @@ BYTE_TIME = byte_time_ns(115200)
 PERIOD_US = 5000
 ORIGIN = 5_000 * NS_PER_S       # the host's raw time when the device is switched on
 ROS_OFFSET = 1_700_000_000 * NS_PER_S
-FIFO = 8                        # bytes that a plain port gathers
-BURST, IDLE = 8 * 62, 16_000_000        # bytes, and ns after which fewer are handed over
+FIFO = 8                        # bytes that a plain port buffers
+BURST, IDLE = 8 * 62, 16_000_000        # bytes, and ns after which fewer are delivered
 _SIZES = {Inertial: 28, Navigation: 28, Accuracy: 28, InertialTime: 20, NavigationTime: 20,
           SyncPulseTime: 20}
 _INERTIAL = [Inertial(i, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), ()) for i in range(256)]
@@ -41,18 +41,18 @@ _ACCURACY = Accuracy(0, None, None, None, 0)
 
 
 def plain_ros(raw: int) -> int:
-    """Return the ROS time of a host whose clock nobody touches."""
+    """Return the ROS time of a host whose clock is not set."""
     return raw + ROS_OFFSET
 
 
 @dataclass(frozen=True)
 class Case:
-    """What is simulated. Shares are of the frames of a kind, times in seconds."""
+    """A case to simulate. Shares are those of the frames of a type, times are in seconds."""
 
     seconds: float = 600.0
     adapter: str | float = 0.016        # latency timer, 'packets', or 'plain'
     drift_ppm: float = 35.0
-    wander_ppm: float = 0.02            # a root second
+    wander_ppm: float = 0.02            # per root second
     temperature_ppm: float = 0.0        # amplitude of a swing of ten minutes
     label: int = 1                      # 1: time messages name the next sample, 0: the same
     loss: float = 0.0                   # damaged frames
@@ -72,7 +72,7 @@ class Case:
 
 
 class Sent(NamedTuple):
-    """A message, when it was ready to be sent, and the time that it is about."""
+    """A message, the time at which it was ready to be sent, and the time of its sample."""
 
     ready: int
     message: Any
@@ -81,12 +81,12 @@ class Sent(NamedTuple):
 
     @property
     def size(self) -> int:
-        """How many bytes it has on the line."""
+        """Bytes on the line."""
         return _SIZES[type(self.message)]
 
 
 class OnLine(NamedTuple):
-    """A message on the line: where it is in the stream, and when its first byte left."""
+    """A message on the line: its offset in the stream, and the time at which it began to leave."""
 
     offset: int
     start: int
@@ -94,12 +94,12 @@ class OnLine(NamedTuple):
 
     @property
     def size(self) -> int:
-        """How many bytes it has."""
+        """Bytes on the line."""
         return self.sent.size
 
 
 class Read(NamedTuple):
-    """A read: its moment, the bytes of the stream so far, and the messages that it completed."""
+    """A read: its instant, the bytes received by then, and the messages that it completed."""
 
     now: Instant
     received: int
@@ -107,22 +107,22 @@ class Read(NamedTuple):
 
 
 class Simulation:
-    """Reads of one case, and the truth of each message by the offset of its frame."""
+    """The reads of a case, and the truth of each message by the offset of its frame."""
 
     def __init__(self, case: Case, seed: int) -> None:
-        """Take the case, and the seed of all that is random."""
+        """Simulate a case with a seed of all random numbers."""
         self.case = case
         self.truths: dict[int, int] = {}            # raw time
         self.device_times: dict[int, int] = {}      # ns
         self._seed = seed
 
     def reads(self, all_sent: Iterator[Sent] | None = None) -> Iterator[Read]:
-        """Return the reads in order, of the messages that are given or of the case's device."""
+        """Yield the reads of the messages that are given, or of the device of the case."""
         coming: deque[OnLine] = deque()
         line = _noted(_line(all_sent or _device(self.case, self._seed)), coming)
         source = random.Random(f'loss {self._seed}')
         faulty = ORIGIN + min(self.case.faults_until, 1e9) * NS_PER_S
-        for time, received in _host(self.case, self._seed, _hand_overs(self.case.adapter, line)):
+        for time, received in _host(self.case, self._seed, _deliveries(self.case.adapter, line)):
             messages = []
             while coming and coming[0].offset + coming[0].size <= received:
                 item = coming.popleft()
@@ -135,7 +135,7 @@ class Simulation:
 
 
 def _device(case: Case, seed: int) -> Iterator[Sent]:
-    """Return what the device sends, with true times."""
+    """Yield the messages of the device, with true times."""
     begin = 0.0
     for index, end in enumerate((*case.restarts, case.seconds)):
         yield from _power_on(case, random.Random(f'device {seed} {index}'), begin, end)
@@ -216,8 +216,8 @@ def _noted(line: Iterator[OnLine], coming: deque[OnLine]) -> Iterator[OnLine]:
         yield item
 
 
-def _hand_overs(adapter: str | float, line: Iterator[OnLine]) -> Iterator[tuple[int, int]]:
-    """Return when the host could have which number of bytes."""
+def _deliveries(adapter: str | float, line: Iterator[OnLine]) -> Iterator[tuple[int, int]]:
+    """Yield the times at which the adapter delivers bytes, and the bytes by then."""
     if adapter == 'plain':
         for item in line:
             for count in range(FIFO, item.size + FIFO, FIFO):
@@ -255,11 +255,11 @@ def _bursts(line: Iterator[OnLine]) -> Iterator[tuple[int, int]]:
 
 
 def _host(case: Case, seed: int,
-          hand_overs: Iterator[tuple[int, int]]) -> Iterator[tuple[int, int]]:
-    """Return when the reader, which is woken a little late, had which number of bytes."""
+          deliveries: Iterator[tuple[int, int]]) -> Iterator[tuple[int, int]]:
+    """Yield the times of the reads, a little after delivery, and the bytes by then."""
     source = random.Random(f'host {seed}')
     wake = had = 0
-    for arrival, received in hand_overs:
+    for arrival, received in deliveries:
         if arrival > wake:
             if had:
                 yield wake, had
@@ -270,7 +270,7 @@ def _host(case: Case, seed: int,
 
 
 def _wake_up(case: Case, source: random.Random, time: int) -> int:
-    """Return how late the reader is: 40 us and more, and now and then long."""
+    """Return the delay of a read in ns: at least 40 us, and a long one now and then."""
     begin, end = (ORIGIN + bound * NS_PER_S for bound in case.overload)
     if begin <= time < end:
         return round(source.uniform(5e6, 200e6))

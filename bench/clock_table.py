@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Figures of stamp errors, and a table of them in Markdown."""
+"""Statistics of the errors of stamps, as a table in Markdown."""
 
 from collections.abc import Iterable, Sequence
 from statistics import median
@@ -14,7 +14,7 @@ def quantile(values: Sequence[float], share: float) -> float:
 
 
 def figures(errors: Iterable[float]) -> tuple[float, float, float, float, float]:
-    """Return p50, p99 and max of the errors, then p99 and max about their median."""
+    """Return p50, p99 and maximum of the errors, then p99 and maximum about their median."""
     errors = list(errors)
     middle = median(errors)
     plain = sorted(map(abs, errors))
@@ -24,7 +24,7 @@ def figures(errors: Iterable[float]) -> tuple[float, float, float, float, float]
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Return a table in Markdown; numbers are rounded to whole ones."""
+    """Return a table in Markdown, with numbers rounded to integers."""
     lines = ['| ' + ' | '.join(header) + ' |', '|' + '---|' * len(header)]
     lines += ['| ' + ' | '.join(_cell(value) for value in row) + ' |' for row in rows]
     return '\n'.join(lines)

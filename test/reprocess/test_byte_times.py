@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Streams of bytes without times, cut anywhere: every sample at its own device time."""
+"""Test streams without read times, cut anywhere: every sample has its device time."""
 
 from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.clock import Instant
@@ -25,21 +25,20 @@ SAMPLES = (Inertial, Navigation)
 
 
 class Bytes(Capture):
-    """Bytes in pieces of a size."""
+    """A capture of bytes, in chunks of a size."""
 
     def __init__(self, data, tmp_path='.', size=1000):
-        """Take them."""
         super().__init__(tmp_path, len(data))
         self._data, self._piece = data, size
 
     def chunks(self):
-        """Return them."""
+        """Return the chunks."""
         return (Chunk(self._data[place:place + self._piece])
                 for place in range(0, len(self._data), self._piece))
 
 
 def stamped(data, start=None, size=1000, label='auto', latency=0):
-    """Return all stamped messages of a stream, and the chunks that it was cut into."""
+    """Return all stamped messages of a stream."""
     def make_pipeline(clock=None):
         return Pipeline(Framer(BahrsFormat()), BahrsCodec(), clock)
 
@@ -62,7 +61,7 @@ def frames_of(data):
 
 
 def check(found, data, truth):
-    """Check the promises; truth has (epoch, device time in ns) by offset of each sample."""
+    """Check the promises. truth has (epoch, device time in ns) by the offset of each sample."""
     frames = frames_of(data)
     assert [item.frame.offset for item in found] == [frame.offset for frame in frames]
     for kind in (*SAMPLES, InertialTime, NavigationTime, SyncPulseTime):
@@ -76,11 +75,11 @@ def check(found, data, truth):
 
 
 def check_periods(samples, kinds):
-    """Check stamps of samples, each with its epoch and device time, against each other."""
+    """Check the time between samples, each given as its epoch, device time and stamp."""
     unknown = False
     for (epoch, device, stamp), (next_epoch, next_device, next_stamp), next_kind in zip(
             samples, samples[1:], kinds[1:]):
-        # If even the version was lost, nothing but an inertial message tells of a restart.
+        # If the version message was lost, only an inertial message shows a restart.
         unknown = unknown or (epoch != next_epoch and next_kind is Navigation)
         if not unknown and epoch == next_epoch:
             assert abs(next_stamp - stamp - (next_device - device)) < 1000
@@ -92,7 +91,7 @@ def check_periods(samples, kinds):
 
 @pytest.fixture(scope='module')
 def recording():
-    """Give the recording's bytes, and (epoch, device time) of each sample by offset."""
+    """Return the bytes of the recording, and (epoch, device time) of each sample by offset."""
     data = shared_file('data/bahrs_recording_v2.bin').read_bytes()
     codec, truth, count, second = BahrsCodec(), {}, -1, None
     for frame in frames_of(data):
@@ -115,7 +114,7 @@ def recording():
 @example(0, 30_000, 1000, None)
 @example(1000, 25, 1000, None)
 def test_the_recording_cut_at_any_byte(recording, begin, length, size, start):
-    """Every sample has its own time to the last, and so has what comes before the first."""
+    """Every sample has its time, and so have the messages before the first one."""
     data, truth = recording
     cut = data[begin:begin + length]
     found = stamped(cut, start, size)
@@ -131,7 +130,7 @@ def test_the_recording_cut_at_any_byte(recording, begin, length, size, start):
 
 
 def test_the_whole_recording(recording):
-    """It ends as evenly as it began."""
+    """Every sample has its time."""
     data, truth = recording
     check(stamped(data), data, truth)
 
@@ -160,7 +159,7 @@ def emulated(seconds, restarts=(), loss=0.0, damage=0.0, seed=1, forget=(), **ha
        restarts=st.lists(st.floats(0.7, 4.0), max_size=2).map(sorted), seed=st.integers(0, 999),
        begin=st.floats(0, 1), end=st.floats(0, 1))
 def test_emulated_streams_cut_at_any_byte(begin, end, **what):
-    """Of every version, with losses and restarts, cut at both ends."""
+    """Of every protocol version, with losses and restarts, cut at both ends."""
     data, truth = emulated(5.0, **what)
     begin, end = sorted((round(begin * len(data)), round(end * len(data))))
     cut = data[begin:end]
@@ -168,7 +167,7 @@ def test_emulated_streams_cut_at_any_byte(begin, end, **what):
 
 
 def test_a_restart_takes_a_second():
-    """The last sample before and the first after are where the device was switched."""
+    """A second lies between the last sample before it and the first one after it."""
     data, truth = emulated(6.0, restarts=(3.0,))
     samples = [(truth[item.frame.offset][0], item.stamp_ns) for item in stamped(data)
                if isinstance(item.message, Inertial)]
@@ -181,7 +180,7 @@ def test_a_restart_takes_a_second():
     ('navigation_time',), ('inertial_time', 'inertial'),
     ('inertial_time', 'navigation_time', 'inertial')])
 def test_streams_that_lack_a_kind_of_message(forget):
-    """Counters alone give the period, and one kind of time message is enough."""
+    """Counters alone give the period, and one type of time message is enough."""
     data, truth = emulated(4.0, forget=forget)
     found = stamped(data)
     check(found, data, truth)
@@ -194,7 +193,7 @@ def test_streams_that_lack_a_kind_of_message(forget):
 
 @pytest.mark.parametrize('begin', [5, 100, 1000])
 def test_a_pause_is_where_the_time_messages_say(begin):
-    """Device time goes on while the device says nothing, for longer than its counter lasts."""
+    """Device time continues during a silence in which the counter wraps."""
     codec = BahrsCodec()
     data, truth = emulated(8.0)
     ends = [frame.end for frame in frames_of(data) if type(codec.decode(frame)) is Navigation]
@@ -208,7 +207,7 @@ def test_a_pause_is_where_the_time_messages_say(begin):
 
 
 def test_one_wrong_time_message_moves_nothing():
-    """Neither ahead nor back."""
+    """Neither forward nor back."""
     data, truth = emulated(4.0)
     codec = BahrsCodec()
     right = [item.stamp_ns for item in stamped(data) if isinstance(item.message, SAMPLES)]
@@ -224,7 +223,7 @@ def test_one_wrong_time_message_moves_nothing():
 
 @pytest.mark.parametrize('clock_start', [2 ** 40, 2 ** 52, 2 ** 62])
 def test_a_device_time_that_ros_cannot_hold(clock_start):
-    """Times after 2038 count from 1970, and so do those that are no time."""
+    """Times after 2038 count from 1970, and so do nonsense times."""
     data, truth = emulated(3.0)
     codec = BahrsCodec()
     moved = b''
@@ -239,7 +238,7 @@ def test_a_device_time_that_ros_cannot_hold(clock_start):
 
 
 def test_a_forced_label_and_a_fixed_latency():
-    """Parameters mean the same as for the live clock."""
+    """They have the same effect as in the live clock."""
     data, truth = emulated(3.0, time_label='same')
     plain = [item.stamp_ns for item in stamped(data) if isinstance(item.message, Inertial)]
     forced = [item.stamp_ns for item in stamped(data, label='next', latency=1000)
@@ -248,7 +247,7 @@ def test_a_forced_label_and_a_fixed_latency():
 
 
 def test_nothing_but_a_version():
-    """There is no time in it."""
+    """The stream contains no time."""
     data = BahrsCodec().encode(SoftwareVersion('ABC', 1, 2), 3)
     (found,) = stamped(data)
     assert found.stamp_ns >= 0 and stamped(b'') == []

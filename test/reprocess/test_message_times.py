@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of device times of messages, against a stream of which every time is known."""
+"""Tests of device times of messages, against a stream whose true times are known."""
 
 from bahrs_driver.protocol.bahrs.messages import (
     Accuracy, Inertial, InertialTime, Navigation, NavigationTime, SoftwareVersion,
@@ -15,7 +15,7 @@ START = 2_000_000           # us
 
 
 def stream(samples, start=START, ahead=1, ppm=0, first=0):
-    """Return messages of a device with their true device times in us."""
+    """Return the messages of a device with their true device times in us."""
     found = []
     for index in range(samples):
         time = start + round(index * 5000 * (1 + ppm * 1e-6))
@@ -32,7 +32,7 @@ def stream(samples, start=START, ahead=1, ppm=0, first=0):
 
 
 def times(found):
-    """Return what is made of a stream, message by message, with the truth."""
+    """Return the computed and the true time of each message of a stream."""
     made = [*with_times(((None, message) for message, _ in found), ROLES)]
     assert [message for _, message, _ in made] == [message for message, _ in found]
     return [(time, true) for (*_, time), (_, true) in zip(made, found)]
@@ -41,7 +41,7 @@ def times(found):
 @given(ahead=st.integers(0, 1), ppm=st.integers(-200, 200), first=st.integers(0, 255),
        begin=st.integers(0, 200), end=st.integers(0, 200))
 def test_every_message_of_a_good_stream(ahead, ppm, first, begin, end):
-    """Wherever it is cut: also before the first time message, and after the last."""
+    """Wherever it is cut, even before the first time message and after the last."""
     found = stream(600, START, ahead, ppm, first)
     made = times(found[begin:len(found) - end])
     assert all(abs(time - true) <= 10 for time, true in made)
@@ -49,8 +49,8 @@ def test_every_message_of_a_good_stream(ahead, ppm, first, begin, end):
 
 @given(lost=st.sets(st.integers(0, 1200), max_size=600), gap=st.integers(0, 420),
        place=st.integers(0, 1200), again=st.integers(0, 10 ** 6))
-def test_what_was_lost_or_started_again_has_no_wrong_time(lost, gap, place, again):
-    """A message has its own time, or none."""
+def test_losses_and_restarts_give_no_wrong_time(lost, gap, place, again):
+    """The time of a message is right, or None."""
     found = stream(700)
     found = found[:place] + found[place + gap:] + [
         (SoftwareVersion('OSS', 1, 2), None), *stream(300, again)]
@@ -63,7 +63,7 @@ def test_what_was_lost_or_started_again_has_no_wrong_time(lost, gap, place, agai
 
 
 def test_a_device_without_a_time():
-    """Its zeros are none, and what came by then has none."""
+    """Its zeros are no time, and the messages before have none."""
     zero = {InertialTime: InertialTime(0, 0, 0), NavigationTime: NavigationTime(0, 0, 0)}
     early = [(zero.get(type(message), message), None)
              for message, _ in stream(81) if not isinstance(message, Accuracy)]
@@ -73,7 +73,7 @@ def test_a_device_without_a_time():
 
 
 def test_the_end_after_a_restart():
-    """Without another time message nothing tells how time goes on."""
+    """Without another time message, device time is unknown."""
     rest = [(message, None) for message, _ in stream(15, 0, first=77)
             if isinstance(message, (Inertial, Navigation))]
     made = times([*stream(500), *rest])
@@ -82,7 +82,7 @@ def test_the_end_after_a_restart():
 
 
 def test_one_wrong_time_message():
-    """It takes the times of its neighbours, and gives none a wrong one."""
+    """It makes no other time wrong."""
     found = stream(600)
     place = next(index for index, (message, _) in enumerate(found)
                  if index > 400 and isinstance(message, InertialTime))
@@ -94,7 +94,7 @@ def test_one_wrong_time_message():
 
 
 def test_a_stream_without_time_messages_is_held_to_a_limit():
-    """And goes on, without times."""
+    """Messages leave without times."""
     taken = 0
 
     def source():
@@ -109,7 +109,7 @@ def test_a_stream_without_time_messages_is_held_to_a_limit():
 
 
 def test_messages_leave_within_a_tenth_of_a_second():
-    """So that a pipe shows what a device sends now."""
+    """Even from a pipe, messages are printed while the device sends."""
     taken = 0
 
     def source():

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Streams of devices through simulated adapters, cut anywhere, and what a clock makes of them."""
+"""Streams of devices through simulated adapters, cut anywhere, and their stamps."""
 
 from dataclasses import dataclass
 import random
@@ -24,13 +24,13 @@ POINTS = (InertialTime, NavigationTime, SyncPulseTime)
 
 @dataclass
 class Stream:
-    """Reads of a stream: raw times and bytes; and each sample's truth by its offset."""
+    """The reads of a stream (raw time, bytes), and the truth of each sample by its offset."""
 
     reads: list[tuple[int, bytes]]
     truth: dict[int, tuple[int, int]]       # power-on, device time in ns
 
     def cut(self, begin, end):
-        """Return what of it is from one byte to another, as shares of the whole or in bytes."""
+        """Return the part from one byte to another, as shares of the whole or in bytes."""
         length = sum(len(data) for _, data in self.reads)
         if isinstance(begin, float):
             begin, end = sorted((round(begin * length), round(end * length)))
@@ -49,7 +49,7 @@ class Stream:
 
 
 def through(emissions, adapter, seed=1):
-    """Return the reads of (ready in s, bytes) pairs over a line and an adapter."""
+    """Return the reads of (ready in s, bytes) pairs, through a line and an adapter."""
     cable, late, reads, wake = Cable(BAUD_RATE, adapter), random.Random(seed), [], 0.0
     for ready, data in [*emissions, (float('inf'), b'')]:
         while (arrival := cable.next_time) < ready:
@@ -78,15 +78,15 @@ def emulated(seconds=6.0, adapter='none', restarts=(), loss=0.0, damage=0.0, see
 
 @dataclass
 class Stamps:
-    """What a clock gave back."""
+    """The stamps of a clock."""
 
-    items: list[tuple[object, int, int, int]]       # message, offset, stamp, read it came with
+    items: list[tuple[object, int, int, int]]       # message, offset, stamp, its read
     clock: object
-    sent: list[int]                     # offsets of what has no time that could be impossible
+    sent: list[int]                     # offsets of messages that are never dropped
 
 
 def live(stream, clock, ros=lambda raw: raw + ROS):
-    """Return the stamps of a stream, read as the receiver does."""
+    """Return the stamps of a stream that is read live."""
     framer, codec, items, sent = Framer(BahrsFormat()), BahrsCodec(), [], []
     clock.begin(byte_time_ns(BAUD_RATE))
     now = Instant(RAW, ros(RAW))
@@ -111,14 +111,14 @@ def live(stream, clock, ros=lambda raw: raw + ROS):
 
 
 def converted(stream, clock):
-    """Return the stamps of a stream as a conversion of its recording makes them."""
+    """Return the stamps of a stream whose recording is converted."""
     smoothing = clock.smoothing()
     live(stream, smoothing.first_pass)
     return live(stream, smoothing.second_pass())
 
 
 def check_promises(stamps, truth):
-    """Check what holds whatever comes; return (epoch, device time, stamp) of inertial samples."""
+    """Check the promises for any stream; return (epoch, device time, stamp) of the samples."""
     offsets = [offset for _, offset, *_ in stamps.items]
     assert offsets == sorted(offsets)
     assert [offset for message, offset, *_ in stamps.items
@@ -138,7 +138,7 @@ def check_promises(stamps, truth):
 
 
 def worst_period(samples):
-    """Return the largest error of the time between two samples, as a share of it."""
+    """Return the largest relative error of the time between two samples."""
     return max((abs(later - stamp - (after - device)) / (after - device)
                 for (epoch, device, stamp), (next_epoch, after, later) in zip(samples, samples[1:])
                 if epoch == next_epoch), default=0.0)

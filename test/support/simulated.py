@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""A clock on a simulated device, and how far off its stamps are."""
+"""Run a clock on a simulated device, and compute the errors of its stamps."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,21 +15,21 @@ from clock_simulation import BYTE_TIME, Case, ORIGIN, Simulation
 
 @dataclass
 class Outcome:
-    """What came of a case. Seconds count from power-on, errors are in us."""
+    """The outcome of a case. Seconds count from power-on, errors are in us."""
 
     errors: list[tuple[float, float]]       # of inertial samples, by the time of their read
     state: TimeState
     notices: list[str]
     most_held: int
-    backward: int                           # stamps that are not after the one before
-    future: int                             # stamps that are later than their read
+    backward: int                           # stamps not later than the one before
+    future: int                             # stamps later than their read
 
     def within(self, begin: float, end: float = 1e9) -> list[float]:
-        """Return the errors of a span of time."""
+        """Return the errors in a span of time."""
         return [error for time, error in self.errors if begin <= time < end]
 
     def wander(self, begin: float, end: float = 1e9) -> float:
-        """Return the 99th percentile of the errors about their own median."""
+        """Return the 99th percentile of the errors about their median."""
         errors = self.within(begin, end)
         middle = median(errors)
         return sorted(abs(error - middle) for error in errors)[int(0.99 * len(errors))]
@@ -38,7 +38,7 @@ class Outcome:
 def simulated(case: Case, seed: int = 1, options: ClockOptions = ClockOptions(),
               estimate: Estimate | None = None,
               simulation: Callable[[Case, int], Simulation] = Simulation) -> Outcome:
-    """Return what a clock makes of a case, with a live estimate or another one."""
+    """Return the outcome of a case, with a live estimate or another one."""
     device, clock = simulation(case, seed), SampleClock(ROLES, options, estimate)
     clock.begin(BYTE_TIME)
     outcome = Outcome([], clock.state(), [], 0, 0, 0)

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Streams that begin and end at any byte: stamps increase and keep the period, first to last."""
+"""Test streams that begin and end at any byte: stamps increase and keep the period."""
 
 from functools import lru_cache
 
@@ -27,7 +27,7 @@ BAHRS = DEVICES['bahrs']
 
 @lru_cache(maxsize=8)
 def recorded(adapter):
-    """Return the first half minute of the recording, after the pause in its beginning."""
+    """Return the first half minute of the recording, after the pause at its beginning."""
     data = shared_file('data/bahrs_recording_v2.bin').read_bytes()[644:200_000]
     pieces = list(paced([data], Framer(BAHRS.frame_format()), BAHRS.frame_period))
     truth, offset = {}, 0
@@ -45,7 +45,7 @@ def recorded(adapter):
        length=st.integers(0, 9_000), way=ways)
 @example(adapter='none', begin=24, length=9_000, way=live)
 def test_the_recording(adapter, begin, length, way):
-    """Also a beginning with a navigation message, and few samples without any time message."""
+    """Even if it begins with a navigation message, or has no time message."""
     stream = recorded(adapter).cut(begin, begin + length)
     assert worst_period(check_promises(way(stream, SampleClock(ROLES)), stream.truth)) < SETTLING
 
@@ -57,7 +57,7 @@ def test_the_recording(adapter, begin, length, way):
        restarts=st.lists(st.floats(0.7, 4.0), max_size=2).map(sorted),
        begin=ends, end=ends, way=ways)
 def test_emulated_devices(begin, end, way, **what):
-    """Of every version, with losses and restarts."""
+    """Of every protocol version, with losses and restarts."""
     stream = emulated(5.0, **what).cut(begin, end)
     assert worst_period(check_promises(way(stream, SampleClock(ROLES)), stream.truth)) < SETTLING
 
@@ -65,14 +65,14 @@ def test_emulated_devices(begin, end, way, **what):
 @settings(max_examples=20)
 @given(adapter=st.sampled_from(ADAPTERS), begin=ends, end=ends, way=ways)
 def test_a_device_whose_time_messages_name_their_own_sample(adapter, begin, end, way):
-    """As the document has it."""
+    """As the document can be read."""
     stream = emulated(5.0, adapter, time_label='same', restarts=(2.0,)).cut(begin, end)
     assert worst_period(check_promises(way(stream, SampleClock(ROLES)), stream.truth)) < SETTLING
 
 
 @pytest.mark.parametrize('adapter', ADAPTERS)
 def test_the_last_samples_are_as_even_as_the_others(adapter):
-    """The end of a stream is nothing that a stamp could know of."""
+    """A stamp does not depend on the end of the stream."""
     stream = emulated(8.0, adapter).cut(0.3, 1.0)
     for way in (live, converted):
         samples = check_promises(way(stream, SampleClock(ROLES)), stream.truth)

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The whole clock on simulated devices whose truth is known."""
+"""Tests of the whole clock on simulated devices whose true times are known."""
 
 from bahrs_driver.clock import ClockOptions
 from clock_simulation import Case, ORIGIN, plain_ros
@@ -12,7 +12,7 @@ SECONDS = 40.0
 
 @pytest.mark.parametrize('adapter', [0.016, 0.001, 'packets', 'plain'])
 def test_figures_of_each_adapter(adapter):
-    """Wander and settling as they are to be reached."""
+    """Wander and settling are within the targets."""
     outcome = simulated(Case(SECONDS, adapter))
     assert outcome.wander(10) < 25
     assert max(map(abs, outcome.within(10))) < 150
@@ -21,17 +21,17 @@ def test_figures_of_each_adapter(adapter):
     assert len(outcome.errors) == pytest.approx(200 * (SECONDS - 0.6), abs=100)
 
 
-@pytest.mark.parametrize('label, reading', [(1, 'next'), (0, 'same')])
-def test_label_is_detected(label, reading):
-    """And makes no difference to the stamps."""
+@pytest.mark.parametrize('label, expected', [(1, 'next'), (0, 'same')])
+def test_convention_is_detected(label, expected):
+    """Stamps are equally accurate with either convention."""
     outcome = simulated(Case(10, label=label))
-    assert outcome.state.label == reading
+    assert outcome.state.label == expected
     assert max(map(abs, outcome.within(2))) < 500
 
 
 @pytest.mark.parametrize('adapter', [0.016, 'packets', 'plain'])
 def test_a_restarted_device(adapter):
-    """Under 5 ms at once, 0.5 ms after a second; told once; the skew stays known."""
+    """Below 5 ms at once, 0.5 ms after a second; reported once; the skew stays known."""
     outcome = simulated(Case(SECONDS, adapter, restarts=(20.0,)))
     assert max(map(abs, outcome.within(20.3, 21.9))) < 5000
     assert max(map(abs, outcome.within(21.9))) < 500
@@ -46,7 +46,7 @@ def stepped(raw):
 
 
 def test_a_host_that_is_set_is_followed_at_once():
-    """What was measured before and read after is on the new time; both steps are told."""
+    """Samples measured before a step and read after it have the new time; both are reported."""
     outcome = simulated(Case(SECONDS, ros=stepped))
     for begin, end in ((2, 15), (15.1, 25), (25.1, SECONDS)):
         assert max(map(abs, outcome.within(begin, end))) < 500
@@ -63,7 +63,7 @@ def slewed(raw):
 
 
 def test_a_host_that_is_slewed_is_followed():
-    """Also while it is; at 8 % what was measured before the last read but one is a bit off."""
+    """Even during the slew; at 8 % samples from before the last two reads are less accurate."""
     outcome = simulated(Case(SECONDS, ros=slewed))
     assert outcome.wander(10, 25) < 50
     assert max(map(abs, outcome.within(2, 25))) < 500
@@ -81,8 +81,8 @@ def test_a_host_that_is_slewed_is_followed():
     {'overload': (15.0, 30.0)},
     {'drift_ppm': -200.0},
 ], ids=str)
-def test_what_makes_no_difference(what):
-    """Figures as promised, a few seconds after the start."""
+def test_faults_without_effect(what):
+    """The errors are as promised a few seconds after the start."""
     outcome = simulated(Case(SECONDS, **what))
     assert outcome.wander(10) < 50
     assert max(map(abs, outcome.within(10))) < 150
@@ -91,7 +91,7 @@ def test_what_makes_no_difference(what):
 
 
 def test_damaged_counters_move_their_own_sample_only():
-    """By what may have been lost; far less than their number says."""
+    """By as many samples as may have been lost, not by what their number says."""
     outcome = simulated(Case(SECONDS, bad_counters=0.01))
     errors = outcome.within(10)
     assert sum(abs(error) > 150 for error in errors) < 0.005 * len(errors)
@@ -100,7 +100,7 @@ def test_damaged_counters_move_their_own_sample_only():
 
 
 def test_a_late_first_time_message():
-    """Samples wait for a while, then go by their arrival, until it comes."""
+    """Samples wait for a while, then have arrival stamps until it comes."""
     outcome = simulated(Case(SECONDS, first_time_message=2.8))
     assert 200 * 2.1 < outcome.state.arrival_stamps < 200 * 2.8
     assert outcome.most_held < 120
@@ -110,7 +110,7 @@ def test_a_late_first_time_message():
 
 
 def test_a_pause_after_the_first_time_message():
-    """As in the recording; the samples before it do not wait for its end to be known."""
+    """As in the recording; the samples before the pause do not wait for its end."""
     outcome = simulated(Case(SECONDS, pause_before=16, pause=2.7))
     assert outcome.state.epochs == 1 and outcome.state.arrival_stamps == 0
     assert max(map(abs, outcome.within(5))) < 500
@@ -119,8 +119,8 @@ def test_a_pause_after_the_first_time_message():
 PULSED = Case(SECONDS, pulses=(10.0, 25.0))
 
 
-def test_pulses_take_the_delay_away():
-    """Nothing is taken off here: errors are against the truth, also after the pulses stop."""
+def test_pulses_remove_the_delay():
+    """These errors include the constant delay, even after the pulses stop."""
     outcome = simulated(PULSED, options=ClockOptions(source='sync_pulse'))
     assert max(map(abs, outcome.within(14, 25))) < 10
     assert max(map(abs, outcome.within(31))) < 50
@@ -130,16 +130,16 @@ def test_pulses_take_the_delay_away():
                                'sync pulses are missing: stamps follow the arrival of samples']
 
 
-def test_pulses_are_ignored_unless_wanted():
-    """What they say of the delay is shown."""
+def test_pulses_are_ignored_unless_enabled():
+    """Diagnostics show the delay that they measure."""
     outcome = simulated(PULSED)
     assert outcome.wander(10) < 25
     assert outcome.state.pulse_delay_us == pytest.approx(50, abs=20)
     assert not outcome.notices
 
 
-def test_a_constant_delay_cannot_be_told_and_can_be_given():
-    """8 ms from the sample to its first byte."""
+def test_a_constant_delay_is_unknown_unless_configured():
+    """The delay from the sample to its first byte is 8 ms."""
     case = Case(SECONDS, delay=0.008)
     assert min(simulated(case).within(10)) > 7900
     outcome = simulated(case, options=ClockOptions(fixed_latency=8_000_000))
