@@ -10,6 +10,7 @@ from bahrs_driver.convert.bahrs.converter import TOPICS
 from bahrs_driver.virtual_serial.pty_port import PtyPort
 import pytest
 from support.devices import Device
+from support.in_process import run_bahrs
 from support.processes import command, driver, running, wait_for
 
 
@@ -122,23 +123,19 @@ def test_several_drivers():
 ])
 def test_names_that_are_none(options, sentence):
     """One sentence each."""
-    status, text, complaint = watched(*options)
+    status, text, complaint = run_bahrs('monitor', *options)
     assert status == 1 and text == ''
     assert complaint.startswith(f'bahrs monitor: {sentence}') and complaint.count('\n') == 1
 
 
 def test_a_namespace_that_is_none():
     """One sentence."""
-    with running('bahrs', 'monitor', '--namespace', 'no body') as monitor:
-        assert monitor.wait(60) == 1
-        assert monitor.text == ("bahrs monitor: 'no body' is no namespace: it must be a name such "
-                                'as /left\n')
+    assert run_bahrs('monitor', '--namespace', 'no body') == (
+        1, '', "bahrs monitor: 'no body' is no namespace: it must be a name such as /left\n")
 
 
 def test_a_domain_that_is_none(monkeypatch):
     """One sentence, where ROS would say it with a traceback."""
     monkeypatch.setenv('ROS_DOMAIN_ID', '900')
-    with running('bahrs', 'monitor', '--duration', '1') as monitor:
-        assert monitor.wait(60) == 1
-        assert monitor.text == ("bahrs monitor: ROS_DOMAIN_ID is '900': it must be a number from "
-                                '0 to 101\n')
+    assert run_bahrs('monitor', '--duration', '1') == (
+        1, '', "bahrs monitor: ROS_DOMAIN_ID is '900': it must be a number from 0 to 101\n")

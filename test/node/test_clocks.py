@@ -19,7 +19,6 @@ from support.set_clock import SettableClock
 
 HOUR = 3600.0
 HERE = 60.0             # s from the present that is the host's time, not that of a simulation
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def seconds(message):
@@ -110,9 +109,8 @@ def test_a_parameter_of_an_undefined_type(cable):
         assert node.end() == 0
 
 
-@pytest.mark.parametrize('kind', SIGNALS)
-def test_the_host_clock_is_set_back(cable, tmp_path, kind):
-    """Diagnostics go on with the new time, a silent device is reported, a signal ends the node."""
+def test_the_host_clock_is_set_back(cable, tmp_path):
+    """Diagnostics go on with the new time, a silent device is reported, Ctrl-C ends the node."""
     clock = SettableClock(tmp_path)
     with listening({**TOPICS, **DIAGNOSTICS}) as ear, clock.used(), driver(cable.path) as node:
         with Device(cable):
@@ -122,6 +120,20 @@ def test_the_host_clock_is_set_back(cable, tmp_path, kind):
             assert wait_for(lambda: abs(
                 seconds(goes_on(ear, 'imu/data')[-1]) - time.time() + HOUR) < HERE)
         assert says(ear, 'Link', DiagnosticStatus.ERROR, 'silent')
+        assert node.end() == 0
+        assert 'Traceback' not in node.text
+
+
+@pytest.mark.parametrize('kind', [signal.SIGTERM, signal.SIGHUP])
+def test_other_signals_after_the_host_clock_is_set_back(cable, tmp_path, kind):
+    """They end the node, too, while data arrives and after it has."""
+    clock = SettableClock(tmp_path)
+    with listening({**TOPICS, **DIAGNOSTICS}) as ear, clock.used(), driver(cable.path) as node:
+        with Device(cable):
+            ear.wait('imu/data', 10)
+            clock.set_back(HOUR)
+            assert abs(seconds(goes_on(ear, count=1)[-1]) - time.time() + HOUR) < HERE
+            goes_on(ear, 'imu/data')
         assert node.end(kind) == 0
         assert 'Traceback' not in node.text
 

@@ -23,6 +23,7 @@ from std_msgs.msg import UInt8MultiArray
 from support.devices import DEEP, Device, DIAGNOSTICS, says, status
 from support.processes import driver, listening, PATIENCE, running, wait_for
 from support.shared_files import shared_file
+from support.starting import start
 
 
 def test_all_topics_in_another_process(cable):
@@ -118,11 +119,11 @@ def test_signals_are_heeded_before_anything_large_is_imported():
     (['-p', 'qos_overrides./imu/data.publisher.reliability:=best'],
      "parameter qos_overrides./imu/data.publisher.reliability is 'best': it must be 'reliable'"),
 ])
-def test_a_bad_parameter_ends_the_start_with_one_sentence(words, sentence):
+def test_a_bad_parameter_ends_the_start_with_one_sentence(monkeypatch, capfd, words, sentence):
     """The exit status is not 0, and there is no traceback."""
-    with running('driver_node', '--ros-args', *words) as node:
-        assert node.wait() == 1
-        assert len(node.lines) == 1 and sentence in node.text
+    status, lines = start(monkeypatch, capfd, *words)
+    assert status == 1
+    assert len(lines) == 1 and sentence in lines[0]
 
 
 def test_words_that_are_no_ros_arguments_are_refused():

@@ -12,6 +12,7 @@ from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters
 from support.devices import Device
 from support.processes import command, listening, PATIENCE, Process, running, wait_for
+from support.starting import start
 
 CONFIG = Path(__file__).resolve().parents[2] / 'config'
 UNDEFINED = 200
@@ -100,12 +101,13 @@ def test_requests_that_cannot_be_met_are_answered_and_disturb_nothing(cable):
     ['-p', 'qos_overrides./raw.publisher.depth:=-1', '-p', 'publish.raw:=true'],
     ['--params-file', '/dev/urandom'], ['--params-file', '/'], ['-r', '__node:=a b'],
     ['--params-file', str(CONFIG / 'foxglove_layout.json')]], ids=repr)
-def test_what_cannot_be_used_ends_the_process_with_one_sentence(words):
+def test_what_cannot_be_used_ends_the_start_with_one_sentence(monkeypatch, capfd, words):
     """With status 1 and no traceback, whichever library it was that did not like it."""
-    with running('driver_node', '--ros-args', '-p', 'port:=/nowhere', *words) as node:
-        assert node.wait() == 1
-        sentences = [line for line in node.lines if line.startswith('bahrs_driver: ')]
-        assert len(sentences) == 1 and 'Traceback' not in node.text and '.py' not in node.text
+    started = start(monkeypatch, capfd, *words)
+    assert started.status == 1
+    sentences = [line for line in started.lines if line.startswith('bahrs_driver: ')]
+    assert len(sentences) == 1
+    assert 'Traceback' not in started.text and '.py' not in started.text
 
 
 def test_a_parameter_file_may_be_a_pipe(tmp_path):
