@@ -46,7 +46,7 @@ class Driver:
         self.link = Link('loop://', 115200)
         self.sensor = sensor = parts_of(sensor_name)
         self.live = sensor.live(self.link)
-        self.pipeline = Pipeline(sensor.framer, self.live.requester or sensor.codec, sensor.clock)
+        self.pipeline = Pipeline(sensor.framer, sensor.codec, sensor.clock)
         self.time_task = TimeTask(sensor.clock, sensor.health.stale)
         self.now = 0.0
         self.updater = Updater(
@@ -59,15 +59,11 @@ class Driver:
         """Begin a stream."""
         self.pipeline.open(86_806)
         self.sensor.health.restart()
-        if self.live.requester:
-            self.live.requester.opened()
 
     def lose(self, ros_ns):
         """Lose the link, as the reader and the node do it."""
         self.publish(self.pipeline.close())
         list(self.sensor.converter.lost(ros_ns))
-        if self.live.requester:
-            self.live.requester.lost()
 
     def feed(self, reading):
         """Take what a read has brought."""

@@ -160,7 +160,13 @@ class Device:
         self._sample = spec.roles.sample if spec.roles else ()
         self._opened = threading.Event()
         self._streams = threading.Event()
-        self.stop = self._reader.stop
+        self.threads = [threading.Thread(target=self._read, name='reader'),
+                        threading.Thread(target=self.nvm.loop.run, name='requests')]
+
+    def stop(self) -> None:
+        """Make the threads end soon."""
+        self._reader.stop()
+        self.nvm.loop.stop()
 
     def streams(self, timeout: float) -> bool:
         """Wait for the port (CommandError if it fails); return whether data arrives in time."""
@@ -171,8 +177,7 @@ class Device:
             raise CommandError(self.failure)
         return self._streams.wait(timeout)
 
-    def run(self) -> None:
-        """Read the port until stop() is called."""
+    def _read(self) -> None:
         for event in self._reader.events():
             self._faults.survive('handling an event of the port', self._handle, event)
 
@@ -207,13 +212,14 @@ def _device(options: argparse.Namespace) -> Iterator[Device]:
         device = Device(DEVICES[options.sensor], link, options.port)
     except ValueError as error:
         raise CommandError(f'{options.port} cannot be opened: {error}') from error
-    thread = threading.Thread(target=device.run, name='reader')
-    thread.start()
+    for thread in device.threads:
+        thread.start()
     try:
         yield device
     finally:
         device.stop()
-        thread.join()
+        for thread in device.threads:
+            thread.join()
 
 
 def _show(options: argparse.Namespace) -> int:

@@ -14,11 +14,11 @@ from typing import Any, Literal, Protocol
 from bahrs_driver.clock import Clock
 from bahrs_driver.diagnostics.stream_health import StreamHealth
 from bahrs_driver.diagnostics.task import DiagnosticTask
-from bahrs_driver.pipeline import Decoder
+from bahrs_driver.protocol.decoder import Decoder
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.nvm_reader import NvmReader
-from bahrs_driver.transport.requester import Requester
+from bahrs_driver.transport.request_loop import RequestLoop
 
 
 class Converter(Protocol):
@@ -41,8 +41,8 @@ class LivePart:
     """What uses the port of a device beyond reading it."""
 
     nvm: NvmReader | None = None            # for devices with a readable memory
-    requester: Requester | None = None      # for polled devices
-    tasks: Sequence[DiagnosticTask] = ()              # diagnostics of the requests
+    requests: RequestLoop | None = None     # shares the decoder with the thread that reads
+    tasks: Sequence[DiagnosticTask] = ()    # diagnostics of the requests
 
 
 def _no_live_part(_link: Link) -> LivePart:

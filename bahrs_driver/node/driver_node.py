@@ -3,6 +3,7 @@
 """The node: it wires the parts together, and nothing else."""
 
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import nullcontext
 import sys
 from threading import Lock
 import time
@@ -76,8 +77,9 @@ class DriverNode(ParameterNode):
         self._spec = spec = DEVICES[given.sensor]
         self._parts = parts = spec.parts(settings)
         self._live = live = parts.live(self._link)
-        self._pipeline = Pipeline(parts.framer, live.requester or parts.codec, parts.clock)
-        self._reader = PortReader(self._link, self._pipeline, self.faults)
+        self._pipeline = Pipeline(parts.framer, parts.codec, parts.clock)
+        self._reader = PortReader(self._link, self._pipeline, self.faults,
+                                  live.requests.lock if live.requests else nullcontext())
         self._handlers: dict[type, Callable[[Any], None]] = {
             PortOpened: self._begin_stream, PortUsable: self._log_open,
             PortUnavailable: self._end_stream, BytesRead: self._publish_bytes,
@@ -114,14 +116,14 @@ class DriverNode(ParameterNode):
     @property
     def threads(self) -> Mapping[str, Callable[[], None]]:
         """Functions that each run in a thread until stop() is called, by name."""
-        requester = self._live.requester
+        requests = self._live.requests
         return {'the reading thread': self._read,
-                **({'the requesting thread': requester.run} if requester else {})}
+                **({'the requesting thread': requests.run} if requests else {})}
 
     def stop(self) -> None:
         """Make the threads end soon."""
-        if self._live.requester:
-            self._live.requester.stop()
+        if self._live.requests:
+            self._live.requests.stop()
         self._gate.open()
         self._reader.stop()
 
@@ -140,10 +142,13 @@ class DriverNode(ParameterNode):
             self._nvm_services.wait()
 
     def _begin_stream(self, _event: PortOpened) -> None:
-        if self._live.requester:
-            self._live.requester.opened()
+        self._send_requests()
         self._parts.health.restart()
         self._report_change()
+
+    def _send_requests(self) -> None:
+        if self._live.requests:
+            self._live.requests.send_due()
 
     def _log_open(self, _event: PortUsable) -> None:
         self._log.info(f'{self._link.name} is open')
@@ -155,8 +160,6 @@ class DriverNode(ParameterNode):
             self._log.error(event.reason)
         if self._live.nvm:
             self._live.nvm.lost(event.reason)
-        if self._live.requester:
-            self._live.requester.lost()
         self.faults.survive('publishing that data is lost', lambda: self._publish(
             self._parts.converter.lost(time.time_ns())))
         self._report_change()
@@ -180,6 +183,7 @@ class DriverNode(ParameterNode):
 
     def _publish_events(self, event: Decoded) -> None:
         """Publish the messages of one read; log notices and faults."""
+        self._send_requests()           # first, because the line is idle after an answer
         now, survive = time.monotonic(), self.faults.survive
         parts, nvm = self._parts, self._live.nvm
         for item in event.events:

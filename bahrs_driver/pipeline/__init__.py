@@ -4,8 +4,8 @@
 
 from bahrs_driver.clock.interface import Stamped
 from bahrs_driver.pipeline.events import DecodingFault, Event, Notice
-from bahrs_driver.pipeline.pipeline import Decoder, Pipeline, PipelineCounters
+from bahrs_driver.pipeline.pipeline import Pipeline, PipelineCounters
 from bahrs_driver.pipeline.unstamped import Unstamped
 
-__all__ = ['Decoder', 'DecodingFault', 'Event', 'Notice', 'Pipeline', 'PipelineCounters',
+__all__ = ['DecodingFault', 'Event', 'Notice', 'Pipeline', 'PipelineCounters',
            'Stamped', 'Unstamped']

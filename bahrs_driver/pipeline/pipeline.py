@@ -5,36 +5,24 @@ Bytes in, stamped messages out.
 
     framer (bytes -> frames) -> decoder (frame -> message) -> clock (message -> stamp)
 
+Answers whose payload cannot be decoded before they are stamped pass the decoder once more.
 The live reader, the conversion of a recording, the report and the decoder of the command line
 differ in where bytes come from and where messages go. Between the two, all of them use this
 class. It does no I/O, reads no clock and transmits nothing.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 from bahrs_driver.clock.interface import Clock, Instant
 from bahrs_driver.pipeline.events import DecodingFault, Event, Notice
 from bahrs_driver.pipeline.unstamped import Unstamped
+from bahrs_driver.protocol.decoder import Decoder
 from bahrs_driver.protocol.framing import Frame, Framer, FramingCounters
 
 SAMPLE_SIZE = 256       # bytes kept, to find out which device sends a stream without frames
 NO_INSTANT = Instant(0, 0)
-
-
-class Decoder(Protocol):
-    """Turns frames into messages."""
-
-    def expected(self) -> Collection[Any]:
-        """Return the kinds of messages that were requested and have not arrived."""
-
-    def decode(self, frame: Frame, now: int) -> Any:
-        """
-        Return the message of an intact frame, or None if it has none.
-
-        now is the time of the read that completed the frame, on CLOCK_MONOTONIC_RAW in ns.
-        """
 
 
 @dataclass
@@ -74,6 +62,7 @@ class Pipeline:
         self._framer.flush()                # a stream that was not closed leaves nothing behind
         self._byte_time_ns = byte_time_ns
         self._clock.begin(byte_time_ns)
+        self._decoder.open(byte_time_ns)
 
     def feed(self, data: bytes, instant: Instant = NO_INSTANT) -> Sequence[Event]:
         """
@@ -87,11 +76,14 @@ class Pipeline:
         counters.bytes_received += len(data)
         counters.last_bytes = (counters.last_bytes + data)[-SAMPLE_SIZE:]
         self._now = instant
-        return self._stamp(self._framer.feed(data))
+        return self._stamp(self._framer.feed(data, self._decoder.expected()))
 
     def close(self) -> Sequence[Event]:
         """End the stream; return the events of its incomplete end and the messages held."""
-        return self._stamp(self._framer.flush(), final=True)
+        try:
+            return self._stamp(self._framer.flush(), final=True)
+        finally:
+            self._decoder.close()
 
     def _stamp(self, frames: Sequence[Frame], final: bool = False) -> Sequence[Event]:
         messages, faults = self._decode(frames)
@@ -102,6 +94,7 @@ class Pipeline:
             stamped = clock.stamp(messages)
             if final:
                 stamped += clock.end()
+            stamped = self._decoder.resolve(stamped)
             notices = clock.take_notices()
         except Exception:
             clock.begin(self._byte_time_ns)     # it may have failed on what waits in it

@@ -1,24 +1,25 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Finding frames in a stream of bytes that may hold anything.
+Framing: find frames in a stream of bytes that may contain anything.
 
-A frame cannot be trusted before its checksum has passed, and nothing but the checksum can be
-trusted to reject it. So the framer looks for the marker, asks the frame format which sizes the
-header allows, and takes the first size whose checksum passes. A candidate that fails costs its
-marker, never its length: the search goes on one byte behind its start, because the bytes it
-claimed may hold the next intact frame. A candidate that is not complete yet is waited for.
+A frame is not trusted before its checksum passes, and is rejected by nothing but its checksum. So
+the framer searches for the marker, asks the frame format which sizes the header allows, and takes
+the first size whose checksum passes. A rejected candidate costs one byte, never its length: the
+search continues one byte after its start, because the bytes that it claims may contain the next
+intact frame. The framer waits for the rest of an incomplete candidate.
 
-The formats of the devices know types that we do not. Such a frame has no known size. It too
-costs only its marker; when the next frame has been found, and the bytes between turn out to end
-in a valid checksum, they are counted as a frame of unknown type and not as skipped bytes.
+Devices send types that the formats do not know. Such a frame has no known size, and its candidate
+is rejected like any other. When the next frame is found, and the bytes between the two end in a
+valid checksum, they are counted as a frame of unknown type instead of skipped bytes.
 
-What the framer knows is in its return values and its counters. At any time
+The framer reports by return values and counters only. At any time
 
     bytes received = bytes of frames + bytes of unknown frames + skipped bytes + pending bytes
 """
 
 from collections import deque
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import NamedTuple, Protocol
@@ -27,7 +28,7 @@ from bahrs_driver.protocol.top_counter import TopCounter
 
 
 class Frame(NamedTuple):
-    """An intact frame: the offset of its first byte in the stream, its bytes, what vouches."""
+    """An intact frame: offset of its first byte in the stream, bytes, name of its checksum."""
 
     offset: int
     data: bytes
@@ -35,41 +36,41 @@ class Frame(NamedTuple):
 
     @property
     def end(self) -> int:
-        """Offset of the first byte after the frame."""
+        """Return the offset of the first byte after the frame."""
         return self.offset + len(self.data)
 
 
 class FrameFormat(Protocol):
-    """What a framer must know of a device's frames."""
+    """Frame format of a device. `expected` has the kinds of outstanding answers, if known."""
 
     @property
     def marker(self) -> bytes:
-        """Bytes that every frame begins with."""
+        """Bytes at the start of every frame."""
 
     @property
     def header_size(self) -> int:
-        """Count of bytes, marker included, that tell the size of a frame."""
+        """Count of bytes, including the marker, that determine the size of a frame."""
 
-    def sizes(self, header: bytes) -> tuple[int, ...]:
-        """Return the sizes that a frame with this header may have, ascending; none if unknown."""
+    def sizes(self, header: bytes, expected: Collection[type] | None, /) -> tuple[int, ...]:
+        """Return the possible sizes of a frame with this header, ascending; none if unknown."""
 
-    def passing_checksum(self, frame: bytes) -> str | None:
-        """Return the name of the checksum that vouches for these bytes."""
+    def passing_checksum(self, frame: bytes, expected: Collection[type] | None, /) -> str | None:
+        """Return the name of the checksum that passes for these bytes."""
 
-    def name_unknown(self, frame: bytes) -> str | None:
-        """Return what to call these bytes if they are an intact frame of a type not known."""
+    def name_unknown(self, frame: bytes, /) -> str | None:
+        """Return a name for these bytes if they are an intact frame of an unknown type."""
 
 
-class _Verdict(Enum):
-    """Why there is no frame at a marker."""
+class _NoFrame(Enum):
+    """Reason why there is no frame at a marker."""
 
     REJECTED = 'no frame begins here'
-    INCOMPLETE = 'more bytes are needed to tell'
+    INCOMPLETE = 'more bytes are needed'
 
 
 @dataclass
 class FramingCounters:
-    """What a stream held so far."""
+    """Contents of a stream so far."""
 
     frames: int = 0
     frame_bytes: int = 0
@@ -81,43 +82,49 @@ class FramingCounters:
 
 class Framer:
     """
-    Cuts a stream into intact frames.
+    Split a stream into intact frames.
 
-    The stream may come in chunks of any size. After each call at most `longest_gap` bytes plus
-    one frame are held back.
+    Chunks may have any size. After each call at most `max_gap` bytes plus one frame are pending.
     """
 
-    def __init__(self, frame_format: FrameFormat, longest_gap: int = 1024) -> None:
-        """Start at offset 0. Unknown frames are recognised up to longest_gap bytes."""
+    def __init__(self, frame_format: FrameFormat, max_gap: int = 1024) -> None:
+        """Recognize frames of unknown type up to max_gap bytes."""
         self.counters = FramingCounters()
         self._format = frame_format
-        self._longest_gap = longest_gap
+        self._max_gap = max_gap
+        self._expected: Collection[type] | None = None
         self._buffer = bytearray()
-        self._buffer_offset = 0         # of the first byte held, in the stream
-        self._gap = 0                   # index of the first byte that belongs to no frame
-        self._search = 0                # index from which the next marker is looked for
-        self._strangers: deque[int] = deque()   # indices of candidates of unknown type in the gap
+        self._buffer_offset = 0         # of the first byte of the buffer, in the stream
+        self._gap = 0                   # index after the latest frame
+        self._search = 0                # index from which the next marker is searched
+        # Indices in the gap at which a frame of unknown type may begin.
+        self._unknown_candidates: deque[int] = deque()
 
     @property
     def received(self) -> int:
-        """How many bytes have been fed: the offset of the next byte to come."""
+        """Count of bytes fed: the stream offset of the next byte."""
         return self._buffer_offset + len(self._buffer)
 
     @property
     def pending(self) -> int:
-        """How many bytes are held back, undecided."""
+        """Count of bytes that are not assigned yet."""
         return len(self._buffer)
 
-    def feed(self, data: bytes) -> list[Frame]:
-        """Take the next bytes of the stream and return the frames that they complete."""
+    def feed(self, data: bytes, expected: Collection[type] | None = None) -> list[Frame]:
+        """
+        Append bytes of the stream and return the frames that they complete.
+
+        `expected` has the kinds of answers that are outstanding; None if that is not known.
+        """
+        self._expected = expected
         self._buffer += data
         return self._take_frames(final=False)
 
     def flush(self) -> list[Frame]:
         """
-        End the stream: return the frames that an incomplete candidate was hiding.
+        End the stream and return the frames inside an incomplete candidate.
 
-        The bytes that remain are skipped, so that the next byte fed starts afresh.
+        The remaining bytes are skipped; the next byte fed begins a new stream.
         """
         frames = self._take_frames(final=True)
         self._close_gap(len(self._buffer))
@@ -131,7 +138,7 @@ class Framer:
             if isinstance(found, Frame):
                 self._accept(start, found)
                 frames.append(found)
-            elif found is _Verdict.REJECTED:
+            elif found is _NoFrame.REJECTED:
                 self._search = start + 1
             else:
                 break
@@ -141,33 +148,33 @@ class Framer:
     def _find_marker(self) -> int:
         marker = self._format.marker
         start = self._buffer.find(marker, self._search)
-        # Without one, its first bytes may still be the last that came.
+        # A partial marker may be at the end of the buffer.
         if start >= 0:
             self._search = start
         else:
             self._search = max(self._search, len(self._buffer) - len(marker) + 1)
         return start
 
-    def _examine(self, start: int, final: bool) -> Frame | _Verdict:
+    def _examine(self, start: int, final: bool) -> Frame | _NoFrame:
         header_end = start + self._format.header_size
         if header_end > len(self._buffer) and not final:
-            return _Verdict.INCOMPLETE
-        sizes = self._format.sizes(bytes(self._buffer[start:header_end]))
+            return _NoFrame.INCOMPLETE
+        sizes = self._format.sizes(bytes(self._buffer[start:header_end]), self._expected)
         for size in sizes:
             data = bytes(self._buffer[start:start + size])
             if len(data) < size:
                 if not final:
-                    return _Verdict.INCOMPLETE
+                    return _NoFrame.INCOMPLETE
                 break
-            checksum = self._format.passing_checksum(data)
+            checksum = self._format.passing_checksum(data, self._expected)
             if checksum:
                 return Frame(self._buffer_offset + start, data, checksum)
-        self._end_stranger(start)
+        self._close_unknown(start)
         if not sizes:
-            self._strangers.append(start)
+            self._unknown_candidates.append(start)
         elif len(data) == size:
             self.counters.crc_failures += 1
-        return _Verdict.REJECTED
+        return _NoFrame.REJECTED
 
     def _accept(self, start: int, frame: Frame) -> None:
         self._close_gap(start)
@@ -176,40 +183,41 @@ class Framer:
         self.counters.frame_bytes += len(frame.data)
 
     def _close_gap(self, end: int) -> None:
-        """Account for the bytes from the gap's first to end, none of which is in a frame."""
-        self._end_stranger(end)
-        self._strangers.clear()
+        """Count the bytes from the gap to end, none of which is in a frame."""
+        self._close_unknown(end)
+        self._unknown_candidates.clear()
         self.counters.skipped_bytes += end - self._gap
         self._gap = end
 
-    def _end_stranger(self, end: int) -> None:
+    def _close_unknown(self, end: int) -> None:
         """
-        Count the frame of unknown type that ends here, if one does.
+        Count the frame of unknown type that ends here, if there is one.
 
-        It began at the oldest candidate if its payload holds what looks like markers, at the
-        latest if what came before it is noise.
+        It begins at the first candidate if its payload contains markers, or at the last one if
+        noise precedes it.
         """
-        self._forget_strangers(end)
-        starts = {self._strangers[0], self._strangers[-1]} if self._strangers else set()
-        for start in sorted(starts):
+        self._drop_candidates(end)
+        candidates = self._unknown_candidates
+        for start in sorted({candidates[0], candidates[-1]} if candidates else ()):
             name = self._format.name_unknown(bytes(self._buffer[start:end]))
             if name:
                 self.counters.unknown_types.add(name)
                 self.counters.unknown_bytes += end - start
                 self.counters.skipped_bytes += start - self._gap
                 self._gap = end
-                self._strangers.clear()
+                candidates.clear()
                 return
 
-    def _forget_strangers(self, position: int) -> None:
-        """Give up the candidates that lie too far before a position."""
-        while self._strangers and position - self._strangers[0] > self._longest_gap:
-            self._strangers.popleft()
+    def _drop_candidates(self, position: int) -> None:
+        """Drop the candidates that are more than max_gap before a position."""
+        candidates = self._unknown_candidates
+        while candidates and position - candidates[0] > self._max_gap:
+            candidates.popleft()
 
     def _drop_rejected(self) -> None:
-        """Let go of what can be in no frame any more."""
-        self._forget_strangers(self._search)
-        keep = self._strangers[0] if self._strangers else self._search
+        """Drop the bytes that cannot be in a frame any more."""
+        self._drop_candidates(self._search)
+        keep = self._unknown_candidates[0] if self._unknown_candidates else self._search
         self.counters.skipped_bytes += keep - self._gap
         self._gap = keep
         self._drop(keep)
@@ -220,4 +228,4 @@ class Framer:
         self._search = max(0, self._search - count)
         self._gap = max(0, self._gap - count)
         if count:
-            self._strangers = deque(index - count for index in self._strangers)
+            self._unknown_candidates = deque(index - count for index in self._unknown_candidates)

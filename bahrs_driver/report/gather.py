@@ -20,6 +20,7 @@ from bahrs_driver.protocol.bahrs.messages import (
     NavigationTime, SoftwareVersion, SyncPulseTime,
 )
 from bahrs_driver.protocol.batch import Batch
+from bahrs_driver.protocol.decoder import Decoder
 from bahrs_driver.protocol.framing import Frame, Framer, FramingCounters
 from bahrs_driver.report.timeline import Array, Timeline, timeline
 from bahrs_driver.units import COUNTER_MODULUS
@@ -75,15 +76,11 @@ class Recording:
         return float(self.timeline.seconds[-1]) if len(self.timeline.seconds) else 0.0
 
 
-class _FrameCollector:
+class _FrameCollector(Decoder):
     """A decoder that keeps frames, to decode many of them at once."""
 
     def __init__(self) -> None:
         self._frames: list[Frame] = []
-
-    def expected(self) -> tuple[()]:
-        """Return an empty tuple: a recording holds no requests."""
-        return ()
 
     def decode(self, frame: Frame, _now: int) -> None:
         """Keep a frame."""

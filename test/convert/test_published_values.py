@@ -16,8 +16,6 @@ from bahrs_driver.convert.bahrs.integrity_policy import Appraisal
 from bahrs_driver.convert.titan_m.converter import TitanConverter, TOPICS as TITAN_TOPICS
 from bahrs_driver.protocol.bahrs.messages import Accuracy, Inertial, Navigation
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.protocol.titan_m.byte_order import PayloadReader
-from bahrs_driver.protocol.titan_m.frames import Answer
 from bahrs_driver.protocol.titan_m.messages import Gps, LAYOUTS, Sensors, State
 from diagnostic_msgs.msg import DiagnosticArray
 from hypothesis import given, strategies as st
@@ -67,14 +65,18 @@ def from_bahrs(stream, **options):
             for pair in converter.convert(message, STAMP + STEP * index)]
 
 
+def through_wire(message):
+    """Return a message with the rounding of the wire."""
+    layout = LAYOUTS[type(message), 'little']
+    return layout.decode(layout.encode(message))
+
+
 def from_titan(stream, **options):
     """Return what a Titan-M's answers become."""
     options = {'asked': {State, Sensors, Gps}, **options}
-    parts = TitanConverter(replace(TITAN_OPTIONS, **options), PayloadReader('little'))
+    parts = TitanConverter(replace(TITAN_OPTIONS, **options))
     return [pair for index, message in enumerate(stream)
-            for pair in parts.convert(
-                Answer(type(message), 0, LAYOUTS[type(message), 'little'].encode(message)),
-                STAMP + STEP * index)]
+            for pair in parts.convert(through_wire(message), STAMP + STEP * index)]
 
 
 def matrices(message):

@@ -24,6 +24,7 @@ from bahrs_driver.diagnostics.rates_task import RatesTask
 from bahrs_driver.diagnostics.stream_health import StreamHealth
 from bahrs_driver.emulator.device import Emission, EmulatedDevice
 from bahrs_driver.pipeline import Pipeline
+from bahrs_driver.protocol.decoder import Decoder
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.message import Message
 from std_msgs.msg import Float64
@@ -47,11 +48,11 @@ class RangeFormat:
     marker = b'RF'
     header_size = 2
 
-    def sizes(self, _header):
+    def sizes(self, _header, _expected):
         """Return the possible sizes of a frame."""
         return (FRAME.size,)
 
-    def passing_checksum(self, frame):
+    def passing_checksum(self, frame, _expected):
         """Return the name of the checksum if it matches."""
         return 'sum' if sum(frame[:-1]) % 256 == frame[-1] else None
 
@@ -59,12 +60,8 @@ class RangeFormat:
         """Return None: there is one type of frame."""
 
 
-class RangeDecoder:
+class RangeDecoder(Decoder):
     """Decodes frames."""
-
-    def expected(self):
-        """Return an empty tuple: the device sends by itself."""
-        return ()
 
     def decode(self, frame, _now=0):
         """Return the message of an intact frame."""

@@ -179,7 +179,7 @@ def test_chunks_of_any_size_give_the_same_frames_and_counters(stream, sizes):
 @given(streams(), chunk_sizes())
 def test_chunks_give_the_same_counters_where_gaps_are_long(stream, sizes):
     """A gap longer than the framer keeps is judged alike however it came."""
-    whole, cut = Run([stream], longest_gap=60), Run(chunks(stream, sizes), longest_gap=60)
+    whole, cut = Run([stream], max_gap=60), Run(chunks(stream, sizes), max_gap=60)
     assert cut.frames == whole.frames
     assert cut.counters == whole.counters
 
@@ -200,7 +200,7 @@ def test_a_long_run_of_unknown_frames_is_counted_whole(size):
        st.sampled_from((0, 1, 50, 1024)))
 def test_every_byte_received_is_accounted_for_at_any_time(stream, sizes, gap):
     """As a frame, unknown, skipped or pending, once."""
-    framer = Framer(BahrsFormat(), longest_gap=gap)
+    framer = Framer(BahrsFormat(), max_gap=gap)
     fed = 0
     for chunk in chunks(stream, sizes):
         framer.feed(chunk)
@@ -361,7 +361,7 @@ def test_a_forced_order_rejects_the_other(order):
 @given(st.one_of(hostile_bytes(), streams()), chunk_sizes(), st.sampled_from((0, 64, 1024)))
 def test_what_is_held_back_is_bounded(stream, sizes, gap):
     """After any feed, however hostile the noise."""
-    framer = Framer(BahrsFormat(), longest_gap=gap)
+    framer = Framer(BahrsFormat(), max_gap=gap)
     for chunk in chunks(stream, sizes):
         framer.feed(chunk)
         assert framer.pending <= gap + LONGEST_FRAME + HEADER_SIZE
@@ -384,10 +384,10 @@ class Meter(BahrsFormat):
 
     work = 0
 
-    def passing_checksum(self, frame):
+    def passing_checksum(self, frame, expected):
         """Count the bytes of a candidate."""
         self.work += len(frame)
-        return super().passing_checksum(frame)
+        return super().passing_checksum(frame, expected)
 
     def name_unknown(self, frame):
         """Count the bytes of a stranger."""
@@ -474,11 +474,11 @@ class Tagged:
     marker = b'AAAA'
     header_size = 5
 
-    def sizes(self, header):
+    def sizes(self, header, expected):
         """Return the size that the header gives."""
         return (header[4] + 9,) if len(header) == 5 and header[4] < 40 else ()
 
-    def passing_checksum(self, frame):
+    def passing_checksum(self, frame, expected):
         """Return the name of the only checksum."""
         return 'crc' if zlib.crc32(frame[:-4]).to_bytes(4, 'big') == frame[-4:] else None
 

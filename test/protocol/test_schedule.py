@@ -10,7 +10,7 @@ MS = 1_000_000
 def begun(rates, now=0):
     """Return a schedule in which everything is due."""
     schedule = Schedule(rates)
-    schedule.begin(now)
+    schedule.start(now)
     return schedule
 
 
@@ -23,28 +23,28 @@ def test_everything_is_due_at_the_start_in_the_order_given():
 def test_each_kind_has_a_grid_of_its_own():
     """Being late once does not move it."""
     schedule = begun({'a': 50.0})
-    schedule.take('a', 7 * MS)
+    schedule.advance('a', 7 * MS)
     assert schedule.due(19 * MS) == [] and schedule.next_after(7 * MS) == 20 * MS
     assert schedule.due(20 * MS) == ['a']
-    schedule.take('a', 33 * MS)
+    schedule.advance('a', 33 * MS)
     assert schedule.next_after(33 * MS) == 40 * MS
 
 
 def test_what_waited_longest_is_first():
     """Whatever the order given."""
     schedule = begun({'a': 50.0, 'b': 100.0})
-    schedule.take('a', 0)
-    schedule.take('b', 0)
+    schedule.advance('a', 0)
+    schedule.advance('b', 0)
     assert schedule.due(20 * MS) == ['b', 'a']
 
 
 def test_a_few_turns_are_made_up_for_and_others_left_out():
     """On the grid still."""
     schedule = begun({'a': 50.0})
-    schedule.take('a', 0)
-    schedule.take('a', 20 * MS * CATCH_UP)
+    schedule.advance('a', 0)
+    schedule.advance('a', 20 * MS * CATCH_UP)
     assert schedule.skipped == 0 and schedule.due(20 * MS * CATCH_UP) == ['a']
-    schedule.take('a', 20 * MS * (CATCH_UP + 9))
+    schedule.advance('a', 20 * MS * (CATCH_UP + 9))
     assert schedule.skipped == 7
     assert schedule.next_after(0) % (20 * MS) == 0
 

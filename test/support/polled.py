@@ -12,9 +12,14 @@ from bahrs_driver.emulator.motion import Motion
 from bahrs_driver.emulator.noise import Noise
 from bahrs_driver.emulator.titan_m.device import TitanDevice, TitanHabits
 from bahrs_driver.emulator.titan_m.measurements import TitanMeasures
-from bahrs_driver.protocol.framing import Framer
-from bahrs_driver.protocol.titan_m.frames import AnswerFormat, REQUEST_SIZE
-from bahrs_driver.protocol.titan_m.messages import GpsRequest, SensorsRequest, StateRequest
+from bahrs_driver.pipeline import Pipeline
+from bahrs_driver.protocol.framing import Frame, Framer
+from bahrs_driver.protocol.titan_m.byte_order import PayloadDecoder
+from bahrs_driver.protocol.titan_m.decoder import TitanDecoder
+from bahrs_driver.protocol.titan_m.frames import Answer, AnswerFormat, REQUEST_SIZE
+from bahrs_driver.protocol.titan_m.messages import (
+    GpsRequest, SensorsRequest, StateRequest, TitanAnswer,
+)
 from bahrs_driver.protocol.titan_m.poller import Poller, PollOptions
 from bahrs_driver.units import BITS_PER_BYTE, byte_time_ns
 from bahrs_driver.virtual_serial.cable import AT_ONCE, Cable
@@ -33,12 +38,29 @@ def make_titan(motion: Motion | None = None, start: tuple[float, float] = (47.0,
     return TitanDevice(TitanHabits(**habits), measures, BITS_PER_BYTE / BAUD_RATE, seed)
 
 
+class _RecordingDecoder(TitanDecoder):
+    """Decode answers, and record when each was requested."""
+
+    def __init__(self, payloads: PayloadDecoder[Stamped], poller: Poller,
+                 requested: dict[int, int]) -> None:
+        super().__init__(payloads, poller)
+        self._requested = requested
+
+    def decode(self, frame: Frame, now: int) -> Answer:
+        """Record the time of the request."""
+        answer = super().decode(frame, now)
+        if answer.asked is not None:
+            self._requested[frame.offset] = answer.asked
+        return answer
+
+
 class PolledDevice:
     """
     A device on a cable, and what polls and reads it, with time that passes only when told.
 
-    `sent` has all that the device sent, `received` all stamped answers with the time (s) at
-    which each was read, `chunks` the bytes of each read with its time.
+    `sent` has all frames of the device, `received` all decoded and all unexpected answers with the
+    time (s) at which each was read, `requested` the time (ns) of the request for each by its
+    offset in the stream, `chunks` the bytes of each read with its time.
     """
 
     def __init__(self, device: TitanDevice | None = None, rates: Any = None, seed: int = 1,
@@ -50,16 +72,15 @@ class PolledDevice:
                                    Cable(BAUD_RATE, mode))
         self.format = AnswerFormat()
         self.poller = Poller(rates or RATES, self.format, options)
-        self.format.expected = self.poller.expected
-        self.framer = Framer(self.format)
-        self.clock = ExchangeClock(REQUEST_SIZE)
+        self.requested: dict[int, int] = {}
+        self.pipeline = Pipeline(Framer(self.format), _RecordingDecoder(
+            PayloadDecoder(), self.poller, self.requested), ExchangeClock(REQUEST_SIZE))
         self.sent: list[Sent] = []
         self.received: list[tuple[float, Stamped]] = []
         self.chunks: list[tuple[float, bytes]] = []
         self.asked_bytes = 0
         self.now = 0.0
-        self.clock.begin(byte_time_ns(BAUD_RATE))
-        self.poller.begin(0, byte_time_ns(BAUD_RATE))
+        self.pipeline.open(byte_time_ns(BAUD_RATE))
 
     def run(self, until: float) -> None:
         """Let everything happen up to a time in seconds."""
@@ -79,11 +100,11 @@ class PolledDevice:
             return
         self.chunks.append((self.now, data))
         time = round(self.now * NS)
-        frames = self.framer.feed(data)
-        self.clock.observe_read(Instant(time, time), self.framer.received)
-        stamped = self.clock.stamp(
-            [(self.poller.receive(frame, time), frame) for frame in frames])
-        self.received += [(self.now, item) for item in stamped]
+        events = self.pipeline.feed(data, Instant(time, time))
+        for event in events:
+            assert isinstance(event, Stamped), event
+            if isinstance(event.message, TitanAnswer) or not event.message.wanted:
+                self.received.append((self.now, event))
 
     def _ask(self) -> None:
         while data := self.poller.send(round(self.now * NS)):

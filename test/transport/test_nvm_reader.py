@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of sessions on a link that somebody else reads."""
+"""Tests of sessions on a link that another thread reads."""
 
 import contextlib
 import gc
@@ -10,48 +10,57 @@ import time
 import tracemalloc
 
 from bahrs_driver.emulator.bahrs.diagnostics_mode import DiagnosticsMode, ServiceHabits
-from bahrs_driver.errors import NvmError
+from bahrs_driver.errors import LinkError, NvmError
+from bahrs_driver.protocol.bahrs import nvm_session
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec
+from bahrs_driver.protocol.bahrs.messages import NvmPage
 from bahrs_driver.protocol.framing import Frame
-from bahrs_driver.transport import nvm_reader
-from bahrs_driver.transport.link import LinkError
 from bahrs_driver.transport.nvm_reader import NvmReader, SessionOptions
+from bahrs_driver.transport.request_loop import RequestLoop
 import pytest
 from support.processes import wait_for
 
 IMAGE = bytes(index * 13 % 256 for index in range(8000))
-LONG = 60.0             # s, for what should be at once
+LONG = 60.0             # s; limit for events that follow at once
+NS = 10 ** 9
 PATIENT = SessionOptions(enter_timeout=LONG)
 
 
 class Device:
-    """A link with a device at its end; who reads the link hands over its answers, in order."""
+    """A link with a device at its end; one thread hands in its answers, in order."""
 
     def __init__(self, **habits):
-        """Answer at once, unless told to be silent."""
+        """Answer at once, until silent is set."""
         self._mode = DiagnosticsMode(ServiceHabits(image=IMAGE, timeout=LONG, **habits))
         self._codec = BahrsCodec()
         self._answers = queue.Queue()
         self._receiver = threading.Thread(target=self._receive)
-        self.reader = NvmReader(self, lambda: 3)
+        self.loop = RequestLoop(self)
+        self._sender = threading.Thread(target=self.loop.run)
+        self.reader = NvmReader(self.loop, lambda: 3)
         self.silent = False
         self.broken = False
+        self.pages_sent = 0
 
     def _receive(self):
         for answer in iter(self._answers.get, None):
+            self.pages_sent += isinstance(answer[0], NvmPage)
             self.reader.receive(*answer)
 
     def __enter__(self):
-        """Begin to read the link."""
+        """Start both threads."""
         self._receiver.start()
+        self._sender.start()
         return self
 
     def __exit__(self, *_):
-        """Read no more."""
+        """Stop both threads."""
+        self.loop.stop()
+        self._sender.join()
         self._answers.put(None)
         self._receiver.join()
 
-    def write(self, data):
+    def write(self, data, _wait=True):
         """Take what the host sends."""
         if self.broken:
             raise LinkError('the port is gone')
@@ -89,7 +98,7 @@ def in_background():
                 result['error'] = str(error)
         threads.append(threading.Thread(target=work))
         threads[-1].start()
-        assert wait_for(lambda: device.reader.busy)
+        assert wait_for(lambda: device.reader.status != 'none')
         return result, threads[-1]
 
     yield start
@@ -101,21 +110,29 @@ def test_pages(made):
     """By number."""
     device = made()
     assert device.reader.read([3, 249]) == {3: IMAGE[96:128], 249: IMAGE[-32:]}
-    assert not device.active and not device.reader.busy
+    assert not device.active and device.reader.status == 'none'
 
 
-def test_each_page_is_handed_over_as_it_is_read(made):
+def test_each_page_is_delivered_when_it_is_read(made):
     """In order, and those before a failure, too."""
     device, pages, progress = made(error_pages=frozenset({3})), [], []
+    write = device.write
+
+    def write_after_delivery(data, _wait=True):
+        # The requests after a page was read wait for its delivery.
+        assert wait_for(lambda: len(pages) >= device.pages_sent)
+        write(data)
+
+    device.write = write_after_delivery
     with pytest.raises(NvmError, match='cannot read page 3'):
         device.reader.read(range(5), on_page=lambda *page: pages.append(page),
-                           on_progress=lambda session: progress.append(len(pages)))
+                           on_progress=lambda session: progress.append(session.progress))
     assert pages == [(number, IMAGE[32 * number:32 * number + 32]) for number in range(3)]
-    assert {1, 2} & set(progress), 'the first were handed over when all had been read'
+    assert {0.2, 0.4, 0.6} <= set(progress)
 
 
-def test_a_page_that_cannot_be_handed_over_ends_the_session(made):
-    """The device is made to leave, and the reason goes on to who asked."""
+def test_an_exception_of_the_callback_ends_the_session(made):
+    """The device leaves its mode, and the caller gets the exception."""
     device = made()
 
     def fail(*_):
@@ -123,11 +140,11 @@ def test_a_page_that_cannot_be_handed_over_ends_the_session(made):
 
     with pytest.raises(ValueError, match='no longer'):
         device.reader.read([0, 1], on_page=fail)
-    assert not device.active and not device.reader.busy
+    assert not device.active and device.reader.status == 'none'
 
 
-def test_the_receiver_is_never_held_up(made, in_background):
-    """Neither by a link that takes its time nor by what is done with pages."""
+def test_the_thread_that_reads_never_waits(made, in_background):
+    """Neither for a slow link nor for a slow callback."""
     device, entered, go_on = made(), threading.Event(), threading.Event()
 
     def wait(*_):
@@ -158,20 +175,20 @@ def test_the_receiver_is_never_held_up(made, in_background):
 
 
 def test_the_end_waits_for_the_device_to_leave(made, in_background):
-    """Whoever waits is told; nobody may begin after it."""
+    """The caller gets the reason; no session may begin afterwards."""
     device = made()
     result, thread = in_background(device)
     assert wait_for(lambda: device.active)
     device.reader.end('the driver is ending', LONG)
-    assert not device.active and not device.reader.busy
+    assert not device.active and device.reader.status == 'none'
     thread.join()
     assert result == {'error': 'the driver is ending'}
     with pytest.raises(NvmError, match='the driver is ending'):
         device.reader.read([0])
 
 
-def test_the_end_does_not_wait_for_a_device_that_says_nothing(made, in_background):
-    """Nor for a link that takes nothing."""
+def test_the_end_does_not_wait_for_a_silent_device(made, in_background):
+    """Nor for a link that accepts nothing."""
     for link in ('silent', 'broken'):
         device = made()
         setattr(device, link, True)
@@ -179,12 +196,12 @@ def test_the_end_does_not_wait_for_a_device_that_says_nothing(made, in_backgroun
         begin = time.monotonic()
         device.reader.end('the driver is ending')
         thread.join()
-        assert time.monotonic() - begin < nvm_reader.LOSS_TIME
+        assert time.monotonic() - begin < nvm_session.LOSS_TIME / NS
         assert result == {'error': 'the driver is ending'}
 
 
 def test_failure_has_its_reason(made):
-    """And leaves the reader as it was."""
+    """The next request is carried out."""
     device = made(error_pages=frozenset({1}))
     with pytest.raises(NvmError, match='cannot read page 1'):
         device.reader.read([1])
@@ -192,7 +209,7 @@ def test_failure_has_its_reason(made):
 
 
 def test_only_one_at_a_time(made, in_background):
-    """The second is refused at once; the first goes on until it is cancelled."""
+    """The second is refused at once; the first continues until it is cancelled."""
     device = made()
     device.silent = True
     result, thread = in_background(device)
@@ -206,7 +223,7 @@ def test_only_one_at_a_time(made, in_background):
 
 
 def test_lost_link(made, in_background):
-    """Whoever waits is told at once."""
+    """The caller gets the reason at once."""
     device = made()
     device.silent = True
     result, thread = in_background(device)
@@ -216,8 +233,8 @@ def test_lost_link(made, in_background):
 
 
 def test_a_write_that_fails_before_its_link_is_known_to_be_lost(made, in_background, monkeypatch):
-    """The reason is that of the reader of the link, who knows what to do."""
-    monkeypatch.setattr(nvm_reader, 'LOSS_TIME', LONG)
+    """The reason is that of the thread that reads, which includes a remedy."""
+    monkeypatch.setattr(nvm_session, 'LOSS_TIME', round(LONG * NS))
     device = made()
     device.broken = True
     result, thread = in_background(device)
@@ -226,9 +243,9 @@ def test_a_write_that_fails_before_its_link_is_known_to_be_lost(made, in_backgro
     assert result == {'error': '/dev/ttyUSB0 is gone: plug it in again'}
 
 
-def test_link_that_takes_no_data(made, monkeypatch):
+def test_link_that_accepts_no_data(made, monkeypatch):
     """The reason is that of the link."""
-    monkeypatch.setattr(nvm_reader, 'LOSS_TIME', 0.01)
+    monkeypatch.setattr(nvm_session, 'LOSS_TIME', round(0.01 * NS))
     device = made()
     device.broken = True
     with pytest.raises(NvmError, match='the port is gone'):
@@ -236,20 +253,20 @@ def test_link_that_takes_no_data(made, monkeypatch):
 
 
 def test_an_exception_does_not_leave_the_device_in_its_mode(made):
-    """Ctrl-C is one: the device is told to leave before it goes on."""
+    """Such as that of Ctrl-C: the device leaves before the exception is raised again."""
     device = made()
 
     def interrupt(session):
-        if len(session.pages) == 5:
+        if len(session.pages) >= 5:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         device.reader.read(on_progress=interrupt)
-    assert not device.active and not device.reader.busy
+    assert not device.active and device.reader.status == 'none'
 
 
 def test_a_thousand_sessions_leak_nothing(made):
-    """No thread, and no memory to speak of."""
+    """Neither threads nor memory."""
     device = made()
     for _ in range(20):
         device.reader.read([0])

@@ -26,8 +26,6 @@ from bahrs_driver.convert.titan_m.gps_status import GpsStatus
 from bahrs_driver.convert.titan_m.gps_time import GpsTime
 from bahrs_driver.convert.utm import to_wgs84
 from bahrs_driver.protocol.layout import Vector
-from bahrs_driver.protocol.titan_m.byte_order import PayloadReader
-from bahrs_driver.protocol.titan_m.frames import Answer
 from bahrs_driver.protocol.titan_m.messages import (
     ADC_FORCE, ADC_RATE_DEG, Gps, Sensors, State, TitanAnswer,
 )
@@ -107,9 +105,8 @@ class _Sample(NamedTuple):
 class TitanConverter:
     """Turns answers into (topic, ROS message) pairs."""
 
-    def __init__(self, options: TitanOptions, reader: PayloadReader[int]) -> None:
+    def __init__(self, options: TitanOptions) -> None:
         self._options = options
-        self._reader = reader
         self._gps_time = GpsTime(options.gps_week, options.leap_seconds)
         self._handlers: dict[type, Callable[..., Outgoing]] = {
             State: self._state, Gps: self._gps, Sensors: self._sensors}
@@ -132,7 +129,7 @@ class TitanConverter:
 
     def convert(self, message: object, stamp_ns: int) -> Outgoing:
         """
-        Return what an answer becomes, and those that waited for their byte order, one by one.
+        Return the topics and ROS messages of an answer; none of one that is not decoded.
 
         stamp_ns is the answer's time in nanoseconds since the epoch.
         """
@@ -140,10 +137,10 @@ class TitanConverter:
         return without_incomplete(outgoing) if self._options.withhold_incomplete else outgoing
 
     def _convert(self, message: object, stamp_ns: int) -> Outgoing:
-        if isinstance(message, Answer) and message.wanted:
-            for known, stamp in self._reader.read(message.kind, message.payload, stamp_ns):
-                self._heard.setdefault(type(known), stamp)
-                yield from self._handlers[type(known)](known, stamp)
+        handler = self._handlers.get(type(message))
+        if handler:
+            self._heard.setdefault(type(message), stamp_ns)
+            yield from handler(message, stamp_ns)
 
     @property
     def gps_status(self) -> GpsStatus:
@@ -160,7 +157,6 @@ class TitanConverter:
         return self._gps_time.take_notices()
 
     def _forget(self) -> None:
-        self._reader.begin()
         self._orientation = NO_ROTATION
         self._sample: _Sample | None = None
         self._had_fix = False

@@ -20,6 +20,7 @@ from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.nvm_reader import NvmReader
+from bahrs_driver.transport.request_loop import RequestLoop
 from bahrs_driver.units import NS_PER_S
 from std_msgs.msg import UInt8MultiArray
 
@@ -41,9 +42,10 @@ def make_parts(settings: BahrsSettings) -> Parts:
                 'CRC order': frame_format.order_seen or 'not seen yet'}
 
     def live(link: Link) -> LivePart:
-        nvm = NvmReader(link, lambda: frame_format.version_seen)
+        requests = RequestLoop(link)
+        nvm = NvmReader(requests, lambda: frame_format.version_seen)
         health.watch_nvm(lambda: nvm.status)
-        return LivePart(nvm=nvm)
+        return LivePart(nvm, requests)
 
     return Parts(
         Framer(frame_format), BahrsCodec(settings.pressure_height.format), _clock(settings),

@@ -55,9 +55,10 @@ class BahrsSpec(DeviceSpec[BahrsSettings]):
         """Return what decodes a link and reads the memory through it, for `bahrs nvm`."""
         from bahrs_driver.pipeline import Pipeline
         from bahrs_driver.transport.nvm_reader import NvmReader
+        from bahrs_driver.transport.request_loop import RequestLoop
         frame_format = BahrsFormat()
         return (Pipeline(Framer(frame_format), BahrsCodec()),
-                NvmReader(link, lambda: frame_format.version_seen))
+                NvmReader(RequestLoop(link), lambda: frame_format.version_seen))
 
     def topics(self) -> Mapping[str, type]:
         """Return the message type of each topic."""

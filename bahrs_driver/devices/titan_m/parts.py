@@ -4,6 +4,7 @@
 
 from collections.abc import Iterator, Mapping
 import math
+from typing import Any
 
 from bahrs_driver.clock import ArrivalClock, Clock, ExchangeClock
 from bahrs_driver.convert.axes import CONVENTIONS
@@ -15,15 +16,14 @@ from bahrs_driver.devices.titan_m.health import TitanHealth
 from bahrs_driver.devices.titan_m.requests_task import RequestsTask
 from bahrs_driver.devices.titan_m.settings import TitanMSettings
 from bahrs_driver.protocol.framing import Framer
-from bahrs_driver.protocol.titan_m.byte_order import PayloadReader
-from bahrs_driver.protocol.titan_m.frames import (
-    answer_size, AnswerCodec, AnswerFormat, REQUEST_SIZE,
-)
+from bahrs_driver.protocol.titan_m.byte_order import PayloadDecoder
+from bahrs_driver.protocol.titan_m.decoder import TitanDecoder
+from bahrs_driver.protocol.titan_m.frames import answer_size, AnswerFormat, REQUEST_SIZE
 from bahrs_driver.protocol.titan_m.messages import (
     GpsRequest, SensorsRequest, StateRequest, TitanRequest)
 from bahrs_driver.protocol.titan_m.poller import Poller, PollOptions
 from bahrs_driver.transport.link import Link
-from bahrs_driver.transport.requester import Requester
+from bahrs_driver.transport.request_loop import RequestLoop
 from bahrs_driver.units import byte_time_ns, NS_PER_S
 
 SILENCE_HINT = 'is the device powered, are both of its lines connected, and is {} its baud rate?'
@@ -43,21 +43,21 @@ def make_parts(settings: TitanMSettings) -> Parts:
         counted_ids=settings.request.message_id == 'counted',
         checksum_order=settings.checksum_order))
     polls = any(rates.values())
-    reader = PayloadReader[int](settings.payload_order)
-    converter = TitanConverter(_options(settings, rates), reader)
+    payloads = PayloadDecoder[Any](settings.payload_order)
+    converter = TitanConverter(_options(settings, rates))
     expected = {kind.ANSWER.NAME: rate for kind, rate in rates.items() if rate or not polls}
     silence_timeout = max(settings.diagnostics.silence_timeout,
                           PAUSES / max(rates.values()) if polls else 0.0)
     health = TitanHealth(
         expected, settings.diagnostics.rate_tolerance, silence_timeout,
-        poller if polls else None, reader, lambda: converter.gps_status,
+        poller if polls else None, payloads, lambda: converter.gps_status,
         lambda: converter.week_problem)
 
     def protocol() -> Mapping[str, str]:
         lengths = {kind.NAME: f'0x{length:02X}'
                    for kind, length in sorted(frame_format.lengths_seen.items(),
                                               key=lambda item: item[0].NAME)}
-        return {'Payload byte order': reader.order or 'not known yet',
+        return {'Payload byte order': payloads.order or 'not known yet',
                 'Checksum byte order': frame_format.checksum_order.seen or 'not seen yet',
                 'LEN': ', '.join(f'{name} {text}' for name, text in lengths.items())
                 or 'not seen yet'}
@@ -65,13 +65,12 @@ def make_parts(settings: TitanMSettings) -> Parts:
     def live(link: Link) -> LivePart:
         if not polls:
             return LivePart()
-        requester = Requester(link, poller)
-        frame_format.expected = requester.expected
-        return LivePart(requester=requester, tasks=[
-            RequestsTask(poller, health.stale, lambda: requester.write_error)])
+        return LivePart(requests=RequestLoop(link, poller),
+                        tasks=[RequestsTask(poller, health.stale)])
 
     silence_hint = SILENCE_HINT.format(settings.baud_rate) if polls else UNASKED_HINT
-    return Parts(Framer(frame_format), AnswerCodec(), _clock(settings), converter, health,
+    decoder = TitanDecoder(payloads, poller if polls else None)
+    return Parts(Framer(frame_format), decoder, _clock(settings), converter, health,
                  silence_timeout, silence_hint, protocol=protocol, live=live,
                  take_notices=converter.take_notices,
                  warnings=tuple(_warnings(settings, rates)))

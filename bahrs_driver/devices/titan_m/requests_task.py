@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Task *Requests*: whether the device answers requests."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 from bahrs_driver.diagnostics.task import (
     ERROR, Message, NO_DATA, OK, Staleness, Status, WARN,
@@ -30,18 +30,13 @@ RATE_REMEDY = 'lower state.rate, gps.rate or sensors.rate'
 
 
 class RequestsTask:
-    """
-    Shows the counters of a poller; stale returns whether its answers have ceased.
-
-    write_error returns why the latest request could not be written; '' if it was.
-    """
+    """Reports the counters of a poller; stale returns whether its answers have ceased."""
 
     name = 'Requests'
     messages = (NOT_WRITTEN, NO_ANSWER, TOO_SLOW, ANSWERS_MISSING, UNEXPECTED, NO_DATA, ANSWERED)
 
-    def __init__(self, poller: Poller, stale: Staleness, write_error: Callable[[], str]) -> None:
+    def __init__(self, poller: Poller, stale: Staleness) -> None:
         self._poller = poller
-        self._write_error = write_error
         self._stale = stale
         self._window = Window(lambda: (
             poller.answered.total(), poller.unanswered.total(), poller.unexpected.total(),
@@ -51,7 +46,7 @@ class RequestsTask:
         """Report how many requests of the last second were answered."""
         status.values_from(self._values)
         _, (answered, unanswered, unexpected, skipped) = self._window.growth(status.now)
-        write_error = self._write_error()
+        write_error = self._poller.write_error
         if write_error:
             return status.summary(NOT_WRITTEN, write_error=write_error)
         if unanswered >= UNANSWERED and not answered:

@@ -11,9 +11,10 @@ from bahrs_driver.devices.stream_decoder import StreamDecoder
 from bahrs_driver.devices.titan_m.settings import TitanMSettings
 from bahrs_driver.pipeline import Pipeline, Stamped
 from bahrs_driver.protocol.framing import Frame, Framer
-from bahrs_driver.protocol.titan_m.byte_order import PayloadReader
-from bahrs_driver.protocol.titan_m.frames import AnswerCodec, AnswerFormat, message_id
-from bahrs_driver.protocol.titan_m.messages import ANSWERS, Gps, LAST_ZONE
+from bahrs_driver.protocol.titan_m.byte_order import PayloadDecoder
+from bahrs_driver.protocol.titan_m.decoder import AnswerDecoder
+from bahrs_driver.protocol.titan_m.frames import AnswerFormat, message_id
+from bahrs_driver.protocol.titan_m.messages import ANSWERS, Gps, LAST_ZONE, TitanAnswer
 
 # Columns of a GPS answer that have no value without a position.
 OF_A_POSITION = ('easting', 'northing', 'altitude', 'velocity_ned_north', 'velocity_ned_east',
@@ -43,14 +44,15 @@ class TitanStreamDecoder(StreamDecoder[TitanMSettings]):
 
     def __init__(self, settings: TitanMSettings, clock: Clock | None = None) -> None:
         self._format = AnswerFormat(settings.checksum_order)
-        self._reader = PayloadReader[Frame](settings.payload_order, MOST_HELD)
-        self.pipeline = Pipeline(Framer(self._format), AnswerCodec(), clock)
+        self._payloads = PayloadDecoder[Stamped](settings.payload_order, MOST_HELD)
+        self.pipeline = Pipeline(Framer(self._format), AnswerDecoder(), clock)
 
     def messages(self, items: Iterable[Stamped]) -> Iterator[tuple[Frame, Any]]:
         """Yield the messages whose byte order is known by now, in the order of the stream."""
-        for answer, frame, _ in items:
-            for message, found in self._reader.read(answer.kind, answer.payload, frame):
-                yield found, message
+        for item in items:
+            for message, frame, _ in self._payloads.resolve(item):
+                if isinstance(message, TitanAnswer):
+                    yield frame, message
 
     def head_values(self, frame: Frame) -> dict[str, Any]:
         """Return the message id of the answer."""
@@ -63,12 +65,12 @@ class TitanStreamDecoder(StreamDecoder[TitanMSettings]):
 
     def detected(self) -> list[tuple[str, object]]:
         """Return detected properties of the protocol, by name."""
-        return [('payload byte order', self._reader.order),
+        return [('payload byte order', self._payloads.order),
                 ('checksum byte order', self._format.checksum_order.seen)]
 
     def complaint(self) -> str:
         """Return how many answers have an unknown byte order."""
-        count = self._reader.held + self._reader.given_up
+        count = self._payloads.held + self._payloads.dropped
         if not count:
             return ''
         return (f'{count} answers are not decoded, because their byte order is unknown: add '

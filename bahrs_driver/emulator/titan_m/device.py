@@ -55,7 +55,7 @@ class TitanDevice(EmulatedDevice):
         self._request_time = REQUEST_SIZE * byte_time
         self._random = random.Random(f'late {seed}')
         self._schedule = Schedule(habits.by_itself)
-        self._schedule.begin(0)
+        self._schedule.start(0)
         self.power_cycle(0.0)
 
     @property
@@ -74,7 +74,7 @@ class TitanDevice(EmulatedDevice):
         time = self.next_time
         emissions = []
         for kind in self._schedule.due(round(time * NS_PER_S)):
-            self._schedule.take(kind, round(time * NS_PER_S))
+            self._schedule.advance(kind, round(time * NS_PER_S))
             if time >= self._ready:
                 emissions.append(self._answer(kind, 0, time))
         return emissions

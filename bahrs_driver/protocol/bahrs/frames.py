@@ -19,6 +19,7 @@ from typing import Literal
 from bahrs_driver.protocol.bahrs import checksum
 from bahrs_driver.protocol.bahrs.messages import (
     BahrsMessage, HeightFormat, layouts, MESSAGES, VERSIONS)
+from bahrs_driver.protocol.decoder import Decoder
 from bahrs_driver.protocol.framing import Frame
 
 MARKER = b'NE'
@@ -86,11 +87,13 @@ class BahrsFormat:
             for (version, message_type), layout in layouts().items()}
         self._services = {message.TYPE for message in MESSAGES if message.SERVICE}
 
-    def sizes(self, header: bytes) -> tuple[int, ...]:
+    def sizes(self, header: bytes,
+              _expected: Collection[type] | None = None) -> tuple[int, ...]:
         """Return the sizes of a frame with this header, ascending; none for an unknown type."""
         return self._sizes.get(header, ())
 
-    def passing_checksum(self, frame: bytes) -> str | None:
+    def passing_checksum(self, frame: bytes,
+                         _expected: Collection[type] | None = None) -> str | None:
         """Return 'word', 'byte' or 'crc32' where that checksum fits the frame."""
         if frame[4] in self._services:
             return self._first_passing(frame, ['crc32', 'byte', 'word'])
@@ -123,17 +126,13 @@ class BahrsFormat:
         return None
 
 
-class BahrsCodec:
-    """Turns BAHRS frames into messages and back."""
+class BahrsCodec(Decoder):
+    """Decodes and encodes BAHRS frames."""
 
     def __init__(self, height_format: HeightFormat = 'uint16') -> None:
         self._layouts = layouts(height_format)
         self.layouts_by_header = {HEADER.pack(MARKER, *key): layout
                                   for key, layout in self._layouts.items()}
-
-    def expected(self) -> Collection[type[BahrsMessage]]:
-        """Return an empty collection: the device sends without being asked."""
-        return ()
 
     def decode(self, frame: Frame, _now: int = 0) -> BahrsMessage:
         """Return the message of an intact frame."""

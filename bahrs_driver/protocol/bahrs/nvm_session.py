@@ -3,21 +3,22 @@
 """
 Reading the non-volatile memory of a BAHRS: a diagnostics session as a state machine.
 
-The session is told what came and what time it is, and tells what to send; it reads no clock and
-writes no port. It reads only: there is no message that would write to the memory.
+The session receives messages and times, and returns the bytes to send; it reads no clock and
+writes to no port. It only reads: the protocol has no message that writes to the memory.
 
-    ENTERING   asks to enter, again and again, until the device agrees or the time is up
-    READING    asks for one page after the other, again where an answer is late or damaged
-    LEAVING    asks to leave, until the device agrees, streams again, or is left to itself
-    FINISHED   everything is in `pages`, or `error` says why it is not
+    ENTERING   requests to enter, repeatedly, until the device accepts or the time is up
+    READING    requests one page after another, again if an answer is late or damaged
+    LEAVING    requests to leave, until the device accepts, streams again, or does not answer
+    FINISHED   all pages are in `pages`, or `error` has the reason why they are not
 
-Known firmware agrees to enter only within half a second of power-on, so entering goes on for
-long, and the user is told to switch the device off and on. Nobody knows beforehand which of the
-service frames' variants a device understands (padding and CRC, see bahrs_frames), so entering goes
-through all of them; the CRC of the answer tells which it was. A device that streams in the midst
-of reading has left on its own or was restarted, and is asked to enter again, a few times.
-A device that does not answer to leaving leaves on its own five seconds after the last request.
-Whatever the device does, a session ends: no later than `time_limit` seconds after its begin.
+Known firmware accepts a request to enter only within half a second of power-on. So the session
+repeats it for a long time, and the user is asked to switch the device off and on. Devices differ
+in the padding and CRC of service frames (see frames), so the session tries all variants; the CRC
+of the answer shows the right one. A device that streams while it should be read has left the mode
+or was restarted, and is requested to enter again, a few times. A device that does not answer a
+request to leave leaves by itself five seconds after the last request.
+
+Every session ends, whatever the device does: entering, reading and leaving have time limits.
 """
 
 from collections.abc import Sequence
@@ -36,39 +37,43 @@ from bahrs_driver.protocol.bahrs.messages import (
     NvmReadRequest,
     VERSIONS,
 )
+from bahrs_driver.units import NS_PER_MS, NS_PER_S
 
 PAGES = 250
 PAGE_SIZE = 32
 
-ENTER_INTERVAL = 0.05       # s from one request to enter to the next
-ANSWER_TIMEOUT = 0.1        # s, twice what a page, a slow device and an adapter's timer need
-ATTEMPTS = 40               # requests for a page without any answer before giving up
-REFUSALS = 3                # answers in a row that a page cannot be read before believing it
+# Times are in ns.
+ENTER_TIMEOUT = 30 * NS_PER_S
+ENTER_INTERVAL = 50 * NS_PER_MS       # between requests to enter
+ANSWER_TIMEOUT = 100 * NS_PER_MS      # twice what a page, a slow device and an adapter need
+READ_TIME = 10 * NS_PER_S            # for reading, and for entering after a power cycle
+PAGE_TIME = 500 * NS_PER_MS           # added for each page, ten times what a slow adapter needs
+LOSS_TIME = 3 * NS_PER_S             # after a failed write, until a lost link is reported
+ATTEMPTS = 40               # requests for a page without any answer
+REFUSALS = 3                # consecutive refusals of a page
 LEAVE_ATTEMPTS = 10
 STREAM_FRAMES = 20          # inertial messages that show that the device is not in the mode
-ENTRIES = 5                 # times that a device may agree to enter before giving up
-READ_TIME = 10.0            # s for reading, and for entering again after a power-cycle
-PAGE_TIME = 0.5             # s more for each page, ten times what a slow adapter takes
+ENTRIES = 5                 # times that a device may enter the mode in one session
 OK = 0
 
 ServiceFrames = Literal['auto', 'crc32', 'mpeg2', 'crc32_padded', 'mpeg2_padded']
 
 
 class Variant(NamedTuple):
-    """How requests to enter and to leave are framed."""
+    """Framing of the requests to enter and to leave."""
 
     checksum: Checksum
     padded: bool
 
 
-# The maker's own tool first, then the document.
+# That of the maker's own tool first, then that of the document.
 VARIANTS = {
     'crc32': Variant('crc32', False), 'mpeg2_padded': Variant('byte', True),
     'mpeg2': Variant('byte', False), 'crc32_padded': Variant('crc32', True)}
 
 
-class State(Enum):
-    """Where a session is, in words."""
+class SessionState(Enum):
+    """State of a session, with its text for the user."""
 
     ENTERING = 'asking the device to enter diagnostics mode'
     READING = 'reading'
@@ -77,37 +82,33 @@ class State(Enum):
 
 
 class NvmSession:
-    """One session: enter, read some pages, leave. Times are in seconds, of any one clock."""
+    """One session: enter, read pages, leave. Times are in ns of one steady clock."""
 
-    def __init__(self, pages: Sequence[int], now: float, enter_timeout: float = 30.0,
+    def __init__(self, pages: Sequence[int], now: int, enter_timeout: int = ENTER_TIMEOUT,
                  version: int | None = None, service_frames: ServiceFrames = 'auto') -> None:
         """
-        Begin to read pages (0 to 249; ValueError).
+        Begin to read pages. Raise ValueError if one is not 0 to 249.
 
-        The version is the protocol version that the device streams in, if known.
+        version is the protocol version of the stream, if known.
         """
         if not pages or not all(0 <= page < PAGES for page in pages):
             raise ValueError(f'NVM pages are 0 to {PAGES - 1}')
-        self.state = State.ENTERING
+        self.state = SessionState.ENTERING
         self.pages: dict[int, bytes] = {}
         self.error = ''
         self._wanted = list(pages)
         self._enter_timeout = enter_timeout
         self._enter_deadline = now + enter_timeout
-        self._read_limit = enter_timeout + READ_TIME + PAGE_TIME * len(self._wanted)
-        self._read_deadline = now + self._read_limit
+        self._read_timeout = enter_timeout + READ_TIME + PAGE_TIME * len(self._wanted)
+        self._read_deadline = now + self._read_timeout
         self._version = version or VERSIONS[-1]
         self._variants = [VARIANTS[service_frames]] if service_frames != 'auto' \
             else list(VARIANTS.values())
         self._next_variant = cycle(self._variants)
         self._codec = BahrsCodec()
         self._due = now
+        self._write_error, self._write_deadline = '', 0
         self._attempts = self._refusals = self._streamed = self._entries = 0
-
-    @property
-    def time_limit(self) -> float:
-        """Seconds from the begin of the session to its end, at most."""
-        return self._read_limit + LEAVE_ATTEMPTS * ANSWER_TIMEOUT
 
     @property
     def progress(self) -> float:
@@ -116,109 +117,128 @@ class NvmSession:
 
     @property
     def description(self) -> str:
-        """What the session does, and what the user can do about it."""
-        if self.state is State.ENTERING:
+        """Text for the user: what the session does, and what to do if it takes long."""
+        if self.state is SessionState.ENTERING:
             return 'asking to enter diagnostics mode (if it goes on: switch the device off and on)'
         return str(self.state.value)
 
     @property
-    def due(self) -> float:
-        """When send() has something to do next."""
-        return self._due
+    def finished(self) -> bool:
+        """Whether the session has ended."""
+        return self.state is SessionState.FINISHED
 
-    def send(self, now: float) -> bytes:
-        """Return what is to be sent now; nothing if it is not yet time."""
-        if now < self._due:
+    def due(self, _now: int) -> int | None:
+        """Return when to call send(); None if the session has ended."""
+        if self.finished:
+            return None
+        return self._write_deadline if self._write_error else self._due
+
+    def send(self, now: int) -> bytes:
+        """Return the bytes of the next request; empty if none is due."""
+        due = self.due(now)
+        if due is None or now < due:
+            return b''
+        if self._write_error:
+            self.abandon(self._write_error)
             return b''
         if now >= self._read_deadline:
-            self.cancel(f'the memory could not be read within {self._read_limit:g} s: check cable '
-                        'and power supply, and try again', now)
-        if self.state is State.ENTERING:
-            return self._ask_to_enter(now)
-        if self.state is State.READING:
-            return self._ask_for_page(now)
-        if self.state is State.LEAVING:
-            return self._ask_to_leave(now)
-        return b''
+            self.cancel('the memory could not be read within '
+                        f'{_seconds(self._read_timeout)}: check cable and power supply, and try '
+                        'again', now)
+        return {SessionState.ENTERING: self._request_to_enter,
+                SessionState.READING: self._request_page,
+                SessionState.LEAVING: self._request_to_leave}[self.state](now)
 
-    def receive(self, message: BahrsMessage, checksum: str, now: float) -> None:
-        """Take a message of the device, and the checksum that its frame carried."""
+    def record_write(self, error: str, now: int) -> None:
+        """
+        End the session if a request was not written; error is empty if it was.
+
+        The reader of a lost link reports a better reason shortly after, and calls abandon().
+        """
+        if error and not self._write_error:
+            self._write_error, self._write_deadline = error, now + LOSS_TIME
+
+    def receive(self, message: BahrsMessage, checksum: str, now: int) -> None:
+        """Process a message of the device; checksum is the name of that of its frame."""
         if isinstance(message, Inertial):
-            self._see_stream(now)
+            self._count_stream(now)
         elif isinstance(message, Acknowledgement):
-            self._see_acknowledgement(message, checksum, now)
-        elif isinstance(message, NvmPage) and self.state is State.READING:
-            self._see_page(message, now)
+            self._process_acknowledgement(message, checksum, now)
+        elif isinstance(message, NvmPage) and self.state is SessionState.READING:
+            self._process_page(message, now)
 
-    def cancel(self, reason: str, now: float) -> None:
-        """Read no more, and leave."""
-        if self.state in (State.ENTERING, State.READING):
+    def cancel(self, reason: str, now: int) -> None:
+        """Stop reading, and leave diagnostics mode."""
+        if self.state in (SessionState.ENTERING, SessionState.READING):
             self._leave(now, reason)
 
     def abandon(self, reason: str) -> None:
-        """End at once: there is nobody left to talk to."""
-        self.error = self.error or reason
-        self.state = State.FINISHED
+        """End at once: the device cannot be reached."""
+        if not self.finished:
+            self.error = self.error or reason
+            self.state = SessionState.FINISHED
 
-    def _ask_to_enter(self, now: float) -> bytes:
+    def _request_to_enter(self, now: int) -> bytes:
         if now >= self._enter_deadline:
             self._leave(now, 'the device did not enter diagnostics mode within '
-                             f'{self._enter_timeout:g} s; many accept it only within 0.5 s of '
-                             'power-on: start again and switch the device off and on')
+                             f'{_seconds(self._enter_timeout)}; many accept it only within 0.5 s '
+                             'of power-on: start again and switch the device off and on')
             return b''
         self._due = now + ENTER_INTERVAL
         variant = next(self._next_variant)
         return self._encode(EnterDiagnostics(), variant)
 
-    def _ask_for_page(self, now: float) -> bytes:
+    def _request_page(self, now: int) -> bytes:
         if self._attempts >= ATTEMPTS:
-            self._leave(now, f'page {self._page} was asked for {ATTEMPTS} times and never came')
+            self._leave(now, f'page {self._page} was requested {ATTEMPTS} times and never '
+                             'arrived')
             return b''
         self._attempts += 1
         self._due = now + ANSWER_TIMEOUT
         return self._encode(NvmReadRequest(self._page), Variant(self._variants[0].checksum, False))
 
-    def _ask_to_leave(self, now: float) -> bytes:
+    def _request_to_leave(self, now: int) -> bytes:
         if self._attempts >= LEAVE_ATTEMPTS:
-            self.state = State.FINISHED
+            self.state = SessionState.FINISHED
             return b''
         self._attempts += 1
         self._due = now + ANSWER_TIMEOUT
         return b''.join(self._encode(ExitDiagnostics(), variant) for variant in self._variants)
 
-    def _see_stream(self, now: float) -> None:
-        # Some of it is still under way when the device has agreed to enter.
+    def _count_stream(self, now: int) -> None:
+        # A part of the stream still arrives after the device has entered the mode.
         self._streamed += 1
         if self._streamed < STREAM_FRAMES:
             return
-        if self.state is State.READING and self._entries >= ENTRIES:
-            self._leave(now, f'the device agreed {ENTRIES} times to diagnostics mode and did not '
+        if self.state is SessionState.READING and self._entries >= ENTRIES:
+            self._leave(now, f'the device entered diagnostics mode {ENTRIES} times and did not '
                              'stay in it: check its power supply, and try again')
-        elif self.state is State.READING:
-            self.state = State.ENTERING
+        elif self.state is SessionState.READING:
+            self.state = SessionState.ENTERING
             self._due, self._enter_deadline = now, now + self._enter_timeout
-        elif self.state is State.LEAVING and self._attempts:
-            self.state = State.FINISHED
+        elif self.state is SessionState.LEAVING and self._attempts:
+            self.state = SessionState.FINISHED
 
-    def _see_acknowledgement(self, message: Acknowledgement, checksum: str, now: float) -> None:
+    def _process_acknowledgement(self, message: Acknowledgement, checksum: str,
+                                 now: int) -> None:
         asked = message.acknowledged
-        if asked == EnterDiagnostics.TYPE and self.state is State.ENTERING:
-            self._see_entered(message.status, checksum, now)
-        elif asked == NvmReadRequest.TYPE and self.state is State.READING:
-            self._see_refusal(message.status, now)
-        elif asked == ExitDiagnostics.TYPE and self.state is State.LEAVING:
-            self.state = State.FINISHED
+        if asked == EnterDiagnostics.TYPE and self.state is SessionState.ENTERING:
+            self._process_entry(message.status, checksum, now)
+        elif asked == NvmReadRequest.TYPE and self.state is SessionState.READING:
+            self._process_refusal(message.status, now)
+        elif asked == ExitDiagnostics.TYPE and self.state is SessionState.LEAVING:
+            self.state = SessionState.FINISHED
 
-    def _see_entered(self, status: int, checksum: str, now: float) -> None:
+    def _process_entry(self, status: int, checksum: str, now: int) -> None:
         if status != OK:
             self._leave(now, f'the device refuses diagnostics mode (status {status})')
             return
         self._entries += 1
         self._variants = [v for v in self._variants if v.checksum == checksum] or self._variants
         self._next_variant = cycle(self._variants)
-        self._go(State.READING, now)
+        self._change_state(SessionState.READING, now)
 
-    def _see_refusal(self, status: int, now: float) -> None:
+    def _process_refusal(self, status: int, now: int) -> None:
         if status == OK:
             return
         self._refusals += 1
@@ -226,27 +246,31 @@ class NvmSession:
         if self._refusals >= REFUSALS:
             self._leave(now, f'the device cannot read page {self._page} (status {status})')
 
-    def _see_page(self, message: NvmPage, now: float) -> None:
-        if message.page != self._page:      # the answer to a request that was made again
+    def _process_page(self, message: NvmPage, now: int) -> None:
+        if message.page != self._page:      # the answer to a repeated request
             return
         self.pages[message.page] = message.data
         if len(self.pages) == len(set(self._wanted)):
             self._leave(now)
         else:
-            self._go(State.READING, now)
+            self._change_state(SessionState.READING, now)
 
     @property
     def _page(self) -> int:
         return next(page for page in self._wanted if page not in self.pages)
 
-    def _leave(self, now: float, error: str = '') -> None:
+    def _leave(self, now: int, error: str = '') -> None:
         self.error = self.error or error
-        self._go(State.LEAVING, now)
+        self._change_state(SessionState.LEAVING, now)
 
-    def _go(self, state: State, now: float) -> None:
+    def _change_state(self, state: SessionState, now: int) -> None:
         self.state = state
         self._due = now
         self._attempts = self._refusals = self._streamed = 0
 
     def _encode(self, message: BahrsMessage, variant: Variant) -> bytes:
         return self._codec.encode(message, self._version, variant.checksum, variant.padded)
+
+
+def _seconds(duration: int) -> str:
+    return f'{duration / NS_PER_S:g} s'

@@ -1,20 +1,21 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The frames of the Titan-M: address, command, LEN, message id, payload, checksum.
+Frames of the Titan-M: address, command, LEN, message id, payload, checksum.
 
     33 "GST" | 02  | id |               | sum      host to device
     31 "ACK" | LEN | id | 44, 48, 56 B  | sum      device to host
 
-LEN counts payload and checksum. The checksum is the sum of all bytes before it, modulo 65,536,
-in a byte order that the document does not state: either is taken, until a few frames have told.
+LEN counts payload and checksum. The checksum is the sum of all bytes before it, modulo 65,536.
+The document does not state its byte order: both are accepted until a few frames show which one
+the device uses.
 
-The checksum is weak, and LEN 0x2E is that of two answers. So what was asked for narrows what is
-taken for a frame: an answer that nobody waits for is never one that somebody does. Where nothing
-is known of requests, as in a recording, such a frame is a GPS answer only if its zone can be.
+The checksum is weak, and two kinds of answers have LEN 0x2E. The outstanding requests decide
+between them: an expected answer is preferred to one that is not. If the requests are not known,
+as in a recording, such a frame is a GPS answer only if its UTM zone is valid.
 """
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -30,17 +31,17 @@ REQUEST_MARKER = b'\x33G'
 HEADER_SIZE = 6
 CHECKSUM_SIZE = 2
 REQUEST_SIZE = HEADER_SIZE + CHECKSUM_SIZE
-ENOUGH = 5              # frames in a row of one checksum order, after which the other is refused
+ENOUGH = 5              # consecutive frames of one checksum order, after which it is locked
 
 OrderChoice = Literal['auto', 'little', 'big']
-CHECKSUM_ORDERS: tuple[ByteOrder, ...] = ('big', 'little')     # as printed first
+CHECKSUM_ORDERS: tuple[ByteOrder, ...] = ('big', 'little')     # that of the document first
 
 _LENGTH, _MESSAGE_ID = 4, 5
 _ZONE, _HEMISPHERE = HEADER_SIZE + 40, HEADER_SIZE + 41
 
 
 def checksum(body: bytes, order: ByteOrder) -> bytes:
-    """Return the sum of the bytes of a frame, modulo 65,536, in a byte order."""
+    """Return the sum of the bytes of a frame, modulo 65,536, encoded in a byte order."""
     return (sum(body) & 0xFFFF).to_bytes(CHECKSUM_SIZE, order)
 
 
@@ -58,7 +59,7 @@ _REQUESTS_BY_COMMAND = {kind.COMMAND: kind for kind in REQUESTS}
 
 def build_request(kind: type[TitanRequest], message_id: int = 0,
                   checksum_order: ByteOrder = 'big') -> bytes:
-    """Return the frame of a request; by default byte for byte as the document has it."""
+    """Encode a request; the defaults give the bytes printed in the document."""
     body = REQUEST_ADDRESS + kind.COMMAND + bytes([CHECKSUM_SIZE, message_id])
     return body + checksum(body, checksum_order)
 
@@ -66,9 +67,9 @@ def build_request(kind: type[TitanRequest], message_id: int = 0,
 def build_answer(message: TitanAnswer, message_id: int = 0, payload_order: ByteOrder = 'little',
                  checksum_order: ByteOrder = 'big', length: int | None = None) -> bytes:
     """
-    Return the frame of an answer. LEN is what its payload makes it unless it is given.
+    Encode an answer. LEN is that of its kind unless it is given.
 
-    ValueError where a value does not fit its field.
+    Raise ValueError if a value does not fit its field.
     """
     payload = LAYOUTS[type(message), payload_order].encode(message)
     length = message.LENGTHS[0] if length is None else length
@@ -79,10 +80,10 @@ def build_answer(message: TitanAnswer, message_id: int = 0, payload_order: ByteO
 @dataclass(frozen=True, slots=True)
 class Answer:
     """
-    An answer as it came, before it is known in which byte order to read it.
+    An answer whose payload is not decoded yet.
 
-    `asked` is when it was asked for, in ns of the host's raw clock; None if that is not known.
-    `wanted` is whether somebody waits for it.
+    `asked` is the time of its request, in ns of the host's raw clock; None if not known.
+    `wanted` is False for an answer to no outstanding request: it arrived late or twice.
     """
 
     SERVICE: ClassVar[bool] = False
@@ -95,26 +96,14 @@ class Answer:
 
     @property
     def NAME(self) -> str:      # noqa: N802, as all messages have it
-        """Name of the message; another one for what nobody waits for."""
+        """Name of the message; 'unexpected' if it answers no outstanding request."""
         return self.kind.NAME if self.wanted else 'unexpected'
 
 
 def answer_of(frame: Frame) -> Answer:
-    """Return which answer an intact frame is, and what it holds."""
+    """Return the answer in an intact frame."""
     data = frame.data
     return Answer(KIND_BY_SIZE[len(data)], data[_MESSAGE_ID], data[HEADER_SIZE:-CHECKSUM_SIZE])
-
-
-class AnswerCodec:
-    """Takes answers as they come, for recordings, and where somebody else asks."""
-
-    def expected(self) -> Collection[type[TitanAnswer]]:
-        """Return an empty collection: requests are not known."""
-        return ()
-
-    def decode(self, frame: Frame, _now: int = 0) -> Answer:
-        """Return which answer an intact frame is, and what it holds."""
-        return answer_of(frame)
 
 
 def message_id(frame: Frame) -> int:
@@ -123,116 +112,108 @@ def message_id(frame: Frame) -> int:
 
 
 def request_of(frame: Frame) -> type[TitanRequest]:
-    """Return which request an intact frame is."""
+    """Return the kind of the request in an intact frame."""
     return _REQUESTS_BY_COMMAND[frame.data[1:4]]
 
 
 class ChecksumOrder:
     """
-    Tells the byte order of checksums.
+    Detects the byte order of checksums.
 
-    A sum whose two bytes are equal tells nothing. `seen` is that of the last frame that told.
-    Where one order is known, frames of the other are refused, until so many come with none of the
-    known one between them that it must be another device.
+    `seen` is the order of the latest frame that shows one; a checksum of two equal bytes does not.
+    Once an order is locked, frames of the other order are rejected, until so many of them arrive
+    in a row that another device must be on the line.
     """
 
     def __init__(self, order: OrderChoice = 'auto') -> None:
         self._forced = order
-        self.begin()
+        self.reset()
 
-    def begin(self) -> None:
-        """Forget what was seen: another device may be on the line."""
+    def reset(self) -> None:
+        """Forget the order: another device may be on the line."""
         self.seen: ByteOrder | None = None if self._forced == 'auto' else self._forced
-        self._run = ENOUGH if self.seen else 0
-        self._refused = 0
+        self._consecutive = ENOUGH if self.seen else 0
+        self._rejected = 0
 
     @property
-    def known(self) -> bool:
-        """Whether only one order is taken."""
-        return self._run >= ENOUGH
+    def locked(self) -> bool:
+        """Whether frames of the other order are rejected."""
+        return self._consecutive >= ENOUGH
 
     def passing(self, frame: bytes) -> ByteOrder | None:
-        """Return the order in which the checksum of a frame is right."""
+        """Return the order in which the checksum of a frame is correct and accepted."""
         body, found = frame[:-CHECKSUM_SIZE], frame[-CHECKSUM_SIZE:]
         if self.seen and checksum(body, self.seen) == found:
-            self._refused = 0
+            self._rejected = 0
             return self.seen
         order = next((order for order in CHECKSUM_ORDERS if checksum(body, order) == found), None)
-        return None if order and self._refuses() else order
+        return None if order and self._rejects() else order
 
-    def note(self, frame: bytes, order: ByteOrder) -> None:
-        """Take the order of an intact frame."""
-        if frame[-2] != frame[-1] and not self.known:
-            self._run = self._run + 1 if order == self.seen else 1
+    def record(self, frame: bytes, order: ByteOrder) -> None:
+        """Record the order of an intact frame."""
+        if frame[-2] != frame[-1] and not self.locked:
+            self._consecutive = self._consecutive + 1 if order == self.seen else 1
             self.seen = order
 
-    def _refuses(self) -> bool:
-        """Whether a frame of the order that was not seen last is refused."""
-        if not self.known:
-            return False
-        if self._forced == 'auto':
-            self._refused += 1
-            if self._refused >= ENOUGH:
-                self.begin()
-        return self.known
+    def _rejects(self) -> bool:
+        """Count a frame of the other order; return whether it is rejected."""
+        if self.locked and self._forced == 'auto':
+            self._rejected += 1
+            if self._rejected >= ENOUGH:
+                self.reset()
+        return self.locked
 
 
 class AnswerFormat:
-    """
-    What the framer must know of answers.
-
-    `lengths_seen` has the LEN of each kind, to show. `expected` tells what is waited for; None
-    is not known, as in a recording.
-    """
+    """Frame format of answers. `lengths_seen` has the latest LEN of each kind."""
 
     marker = ANSWER_MARKER
     header_size = HEADER_SIZE
 
     def __init__(self, checksum_order: OrderChoice = 'auto') -> None:
         self.checksum_order = ChecksumOrder(checksum_order)
-        self.expected: Callable[[], Collection[type[TitanAnswer]]] | None = None
-        self.begin()
+        self.reset()
 
-    def begin(self) -> None:
-        """Forget what was seen: another device may be on the line."""
-        self.checksum_order.begin()
+    def reset(self) -> None:
+        """Forget what was detected: another device may be on the line."""
+        self.checksum_order.reset()
         self.lengths_seen: dict[type[TitanAnswer], int] = {}
 
     @property
-    def tells_apart(self) -> bool:
+    def lengths_differ(self) -> bool:
         """Whether GPS and sensor answers are known to differ in LEN."""
         return self.lengths_seen.get(Sensors) == Sensors.LENGTHS[0]
 
-    def sizes(self, header: bytes) -> tuple[int, ...]:
-        """Return the sizes that an answer with this header may have."""
+    def sizes(self, header: bytes, expected: Collection[type] | None) -> tuple[int, ...]:
+        """Return the possible sizes of an answer with this header."""
         length = header[_LENGTH] if len(header) == HEADER_SIZE else 0
         kinds = KINDS_BY_LENGTH.get(length, [])
-        if len(kinds) > 1 and self.expected is not None and not self.tells_apart:
-            kinds = [kind for kind in kinds if kind in self.expected()] or kinds
+        if len(kinds) > 1 and expected is not None and not self.lengths_differ:
+            kinds = [kind for kind in kinds if kind in expected] or kinds
         return tuple(answer_size(kind) for kind in kinds)
 
-    def passing_checksum(self, frame: bytes) -> str | None:
-        """Return the byte order of the checksum that vouches for these bytes."""
+    def passing_checksum(self, frame: bytes, expected: Collection[type] | None) -> str | None:
+        """Return the byte order in which the checksum of a frame is correct."""
         order = self.checksum_order.passing(frame)
-        if not order or not self._can_be(frame):
+        if not order or (expected is None and not self._is_plausible(frame)):
             return None
-        self.checksum_order.note(frame, order)
+        self.checksum_order.record(frame, order)
         self.lengths_seen[KIND_BY_SIZE[len(frame)]] = frame[_LENGTH]
         return order
 
-    def name_unknown(self, frame: bytes) -> str | None:
+    def name_unknown(self, _frame: bytes) -> str | None:
         """Return None: answers of other lengths are not known to exist."""
         return None
 
-    def _can_be(self, frame: bytes) -> bool:
-        """Whether a frame is not rather the beginning of a longer one."""
-        if self.expected is not None or self.tells_apart or KIND_BY_SIZE[len(frame)] is not Gps:
+    def _is_plausible(self, frame: bytes) -> bool:
+        """Return whether a frame is more than the first part of a longer one."""
+        if self.lengths_differ or KIND_BY_SIZE[len(frame)] is not Gps:
             return True
         return frame[_ZONE] <= LAST_ZONE and frame[_HEMISPHERE] <= 1
 
 
 class RequestFormat:
-    """What the framer must know of requests."""
+    """Frame format of requests."""
 
     marker = REQUEST_MARKER
     header_size = HEADER_SIZE
@@ -240,15 +221,15 @@ class RequestFormat:
     def __init__(self, checksum_order: OrderChoice = 'auto') -> None:
         self._order = ChecksumOrder(checksum_order)
 
-    def sizes(self, header: bytes) -> tuple[int, ...]:
-        """Return the size of a request, if the header is that of one."""
+    def sizes(self, header: bytes, _expected: Collection[type] | None) -> tuple[int, ...]:
+        """Return the size of a request if the header is that of one."""
         known = header[1:4] in _REQUESTS_BY_COMMAND and header[_LENGTH] == CHECKSUM_SIZE
         return (REQUEST_SIZE,) if len(header) == HEADER_SIZE and known else ()
 
-    def passing_checksum(self, frame: bytes) -> str | None:
-        """Return the byte order of the checksum that vouches for these bytes."""
+    def passing_checksum(self, frame: bytes, _expected: Collection[type] | None) -> str | None:
+        """Return the byte order in which the checksum of a frame is correct."""
         return self._order.passing(frame)
 
-    def name_unknown(self, frame: bytes) -> str | None:
+    def name_unknown(self, _frame: bytes) -> str | None:
         """Return None: other commands are not known to exist."""
         return None

@@ -1,25 +1,25 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Asking a Titan-M, and telling which answer goes with which request. No I/O; time is passed in.
+Polling of a Titan-M: which request is due, and which request an answer belongs to.
 
-Each kind of request has its turn at its own rate. The device answers one after another, so the
-simple way is to wait for an answer, or to give it up, before the next request. Pipelined, one
-request of each kind may be outstanding, as long as their answers fit on the line, for adapters
+Each kind of request is due at its own rate. The device answers one request after another, so the
+simple mode waits for an answer, or for its time-out, before the next request. In pipelined mode
+one request of each kind may be outstanding, as long as their answers fit on the line, for adapters
 that hold bytes back. GPS and sensor requests are outstanding together only if their answers are
-known to differ in length: nothing else tells them apart.
+known to differ in length: nothing else distinguishes them.
 
-An answer goes with the oldest outstanding request of its kind. If message ids are counted, and
-the device is seen to send them back, it must have the id of that request, too. An answer that goes
-with no request came late or twice, and is no data: its time is not known. So is one that comes
-sooner after its request than the line can carry the two, if another of its kind was given up just
-before, and no answer before was as quick: it is the late answer to that one.
+An answer belongs to the oldest outstanding request of its kind. If message ids are counted, and
+the device is seen to return them, it must also have the id of that request. An answer to no
+outstanding request arrived late or twice. It is not data, because its time is not known. So is an
+answer that arrives faster than the line can carry it and its request, if another request of its
+kind timed out shortly before and no answer before was as fast: it is the late answer to that one.
 
-How long to wait is learnt: the slowest of the last answers, twice, and a margin. A request that
-is not answered is repeated, at once and a few times. When several in a row were not, the other
-byte order of the checksum is tried, as the document does not say which the device wants.
+The time-out is adaptive: twice the slowest of the latest answers, and a margin. An unanswered
+request is repeated at once, a few times. After several unanswered requests in a row the other byte
+order of the checksum is tried, because the document does not state which one the device expects.
 
-All times are in ns, of one clock that nobody sets.
+Times are in ns of one steady clock.
 """
 
 from collections import Counter, deque
@@ -27,61 +27,60 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.schedule import Schedule
 from bahrs_driver.protocol.titan_m.frames import (
-    Answer, answer_of, answer_size, AnswerFormat, build_request, CHECKSUM_ORDERS, OrderChoice,
-    REQUEST_SIZE,
+    Answer, answer_size, AnswerFormat, build_request, CHECKSUM_ORDERS, OrderChoice, REQUEST_SIZE,
 )
 from bahrs_driver.protocol.titan_m.messages import (
     ByteOrder, Gps, REQUESTS, Sensors, TitanAnswer, TitanRequest,
 )
 from bahrs_driver.units import COUNTER_MODULUS, NS_PER_MS
 
-MARGIN = 20 * NS_PER_MS             # on what answers have taken
-LONGEST_BACKLOG = 20 * NS_PER_MS    # of answers that the line has yet to carry
+MARGIN = 20 * NS_PER_MS           # added to the time that answers took
+LONGEST_BACKLOG = 20 * NS_PER_MS  # of outstanding answers on the line
 MEASURED = 32                       # answers whose delay is remembered
-FEW_MEASURED = 4                    # of them at least are needed to know
-UNANSWERED = 3                      # in a row, and another byte order is tried
-ID_VOTES, ID_MAJORITY = 8, 6        # of the last answers that had the id of their request
-REMEMBERED = 8                      # requests that were given up
-FASTEST_LINE = 0.95                 # of the time that a line needs by its nominal rate
+FEW_MEASURED = 4                    # delays needed for an adaptive time-out
+UNANSWERED = 3                      # in a row, after which the other checksum order is tried
+ID_VOTES, ID_MAJORITY = 8, 6        # of the latest answers with the id of their request
+REMEMBERED = 8                      # requests that timed out
+FASTEST_LINE = 0.95                 # of the nominal time on the line
 
 Kind = type[TitanRequest]
 
 
 @dataclass(frozen=True)
 class PollOptions:
-    """What the user may choose; time in ns."""
+    """Options of polling; time in ns."""
 
     pipelined: bool = False
-    timeout: int = 200 * NS_PER_MS      # at most; less, once it is known how long answers take
+    timeout: int = 200 * NS_PER_MS    # upper bound of the adaptive time-out
     retries: int = 1
-    counted_ids: bool = False           # rather than always 0, as in the document
+    counted_ids: bool = False           # instead of 0, as in the document
     checksum_order: OrderChoice = 'auto'
 
 
 class Pending(NamedTuple):
-    """A request that was sent: its kind and id, when, until when to wait, and how often before."""
+    """An outstanding request."""
 
     kind: Kind
     message_id: int
     sent: int
     deadline: int
-    attempt: int
+    attempt: int            # 0 for the first
 
 
 class Poller:
     """
-    Tells what to send, and when, and what an answer answers.
+    Schedules requests, and matches answers to them.
 
     Counters have kinds as keys: `requests` sent, `answered`, `unanswered` (each attempt), `lost`
-    (after the last attempt), and `unexpected` answers.
+    (after the last attempt), and `unexpected` answers. `write_error` is the reason why the latest
+    request was not written; empty if it was.
     """
 
     def __init__(self, rates: Mapping[Kind, float], frame_format: AnswerFormat,
                  options: PollOptions = PollOptions()) -> None:
-        """Take rates in Hz, and the format that answers are found with."""
+        """Poll at rates in Hz; frame_format is that of the framer."""
         self.requests: Counter[Kind] = Counter()
         self.answered: Counter[Kind] = Counter()
         self.unanswered: Counter[Kind] = Counter()
@@ -93,56 +92,57 @@ class Poller:
         self._format = frame_format
         self._schedule = Schedule(rates)
         self._next_id = 0
-        self.begin(0, 0)
-        self.end()
+        self.start(0)
+        self.stop()
 
-    def begin(self, now: int, byte_time: int) -> None:
-        """Take note that the line is open, and of how long a byte takes on it."""
-        self._format.begin()
-        self._byte_time = byte_time
-        self._active = True
-        self._schedule.begin(now)
+    def start(self, byte_time_ns: int) -> None:
+        """Begin to poll on a line that carries a byte in byte_time_ns."""
+        self._format.reset()
+        self._byte_time = byte_time_ns
+        self._active, self._started = True, False
         self._outstanding: list[Pending] = []
-        self._given_up: deque[Pending] = deque(maxlen=REMEMBERED)
-        self._again: deque[tuple[Kind, int]] = deque()
+        self._timed_out: deque[Pending] = deque(maxlen=REMEMBERED)
+        self._repeats: deque[tuple[Kind, int]] = deque()
         self._delays: deque[int] = deque(maxlen=MEASURED)
-        self._paced: deque[bool] = deque(maxlen=MEASURED)   # that the line is as slow as its rate
+        self._paced: deque[bool] = deque(maxlen=MEASURED)   # line as slow as its nominal rate
         self._ids: deque[bool] = deque(maxlen=ID_VOTES)
-        self._in_a_row = 0          # requests without an answer
-        self._line_free = now       # when the line has carried the answers asked for
+        self._unanswered_in_a_row = 0
+        self._line_free = 0         # when the line has carried all outstanding answers
+        self.write_error = ''
 
-    def end(self) -> None:
-        """Take note that the line is gone, and ask nothing."""
+    def stop(self) -> None:
+        """Stop polling: the line is closed."""
         self._active = False
         self._outstanding.clear()
+        self.write_error = ''
 
     @property
     def skipped(self) -> int:
-        """How many turns were left out because the line or the device was too slow."""
+        """Count of turns that were skipped because the line or the device was too slow."""
         return self._schedule.skipped
 
     @property
     def lost_by_name(self) -> dict[str, int]:
-        """Return how many of each answer never came, by its name."""
-        # Another thread may ask while a kind is lost for the first time: do not go through lost.
+        """Count of lost answers by name."""
+        # Do not iterate over lost: another thread may add a kind meanwhile.
         return {kind.ANSWER.NAME: self.lost[kind] for kind in REQUESTS}
 
     @property
     def slowest(self) -> int | None:
-        """Return what the slowest answer of late took beyond its time on the line, if known."""
+        """Delay of the slowest of the latest answers beyond their time on the line, if known."""
         return max(self._delays) if len(self._delays) >= FEW_MEASURED else None
 
     @property
     def returns_ids(self) -> bool:
-        """Whether the device is seen to send back the ids of requests."""
+        """Whether the device returns the ids of requests."""
         return self._options.counted_ids and sum(self._ids) >= ID_MAJORITY
 
     def expected(self) -> list[type[TitanAnswer]]:
-        """Return what is waited for."""
+        """Return the kinds of outstanding answers."""
         return [pending.kind.ANSWER for pending in self._outstanding]
 
     def due(self, now: int) -> int | None:
-        """Return when to call send(); None is when an answer has come, or never."""
+        """Return when to call send(); None if only an answer can make a request due."""
         if not self._active:
             return None
         if self._choose(now):
@@ -155,56 +155,62 @@ class Poller:
         return min(times, default=None)
 
     def send(self, now: int) -> bytes:
-        """Give up what has waited too long, and return the next request; empty if it must wait."""
+        """Time out requests, and return the bytes of the next one; empty if none is due."""
         if not self._active:
             return b''
-        self._give_up(now)
+        self._time_out(now)
         kind = self._choose(now)
         if not kind:
             return b''
-        if self._again and self._again[0][0] is kind:
-            _, attempt = self._again.popleft()
+        attempt = 0
+        if self._repeats and self._repeats[0][0] is kind:
+            _, attempt = self._repeats.popleft()
         else:
-            attempt = 0
-            self._schedule.take(kind, now)
-        return self._ask(kind, now, attempt)
+            self._schedule.advance(kind, now)
+        return self._request(kind, now, attempt)
 
-    def receive(self, frame: Frame, now: int) -> Answer:
-        """Take an answer that has come; return it with when it was asked for, if it was."""
-        answer = answer_of(frame)
+    def record_write(self, error: str, _now: int) -> None:
+        """Record why the latest request was not written; empty if it was."""
+        self.write_error = error if self._active else ''
+
+    def match(self, answer: Answer, now: int) -> Answer:
+        """Return an answer with the time of its request, or marked as unexpected."""
         waiting = [pending for pending in self._outstanding if pending.kind.ANSWER is answer.kind]
-        had_id = [pending for pending in waiting if pending.message_id == answer.message_id]
-        found = had_id if self.returns_ids else waiting
+        same_id = [pending for pending in waiting if pending.message_id == answer.message_id]
+        found = same_id if self.returns_ids else waiting
         if waiting:
-            self._ids.append(bool(had_id))
+            self._ids.append(bool(same_id))
         if not found or self._is_late(found[0], now):
-            self._note_unexpected(answer.kind, now)
+            self._record_unexpected(answer.kind, now)
             return replace(answer, wanted=False)
         pending = found[0]
         self._outstanding.remove(pending)
         self.answered[pending.kind] += 1
-        self._in_a_row = 0
+        self._unanswered_in_a_row = 0
         self._paced.append(self._is_paced(pending, now))
         self._measure(pending, now)
         return replace(answer, asked=pending.sent)
 
     def _choose(self, now: int) -> Kind | None:
-        """Return what to ask for now."""
+        """Return the kind to request now."""
+        if not self._started:       # start() does not know the time
+            self._schedule.start(now)
+            self._started = True
         if self._outstanding and not self._options.pipelined:
             return None
         if self._outstanding and self._line_free > now + LONGEST_BACKLOG:
             return None
-        wanted = [kind for kind, _ in list(self._again)[:1]] + self._schedule.due(now)
-        return next((kind for kind in wanted if self._may_ask(kind)), None)
+        due = [kind for kind, _ in list(self._repeats)[:1]] + self._schedule.due(now)
+        return next((kind for kind in due if self._may_request(kind)), None)
 
-    def _may_ask(self, kind: Kind) -> bool:
+    def _may_request(self, kind: Kind) -> bool:
         expected = self.expected()
         if kind.ANSWER in expected:
             return False
         other = {Gps: Sensors, Sensors: Gps}.get(kind.ANSWER)
-        return other not in expected or self._format.tells_apart
+        return other not in expected or self._format.lengths_differ
 
-    def _ask(self, kind: Kind, now: int, attempt: int) -> bytes:
+    def _request(self, kind: Kind, now: int, attempt: int) -> bytes:
         message_id = self._next_id
         if self._options.counted_ids:
             self._next_id = (message_id + 1) % COUNTER_MODULUS
@@ -212,62 +218,62 @@ class Poller:
         self._line_free = max(self._line_free, arrives) \
             + answer_size(kind.ANSWER) * self._byte_time
         self._outstanding.append(Pending(
-            kind, message_id, now, self._line_free + self._patience(), attempt))
+            kind, message_id, now, self._line_free + self._timeout(), attempt))
         self.requests[kind] += 1
         return build_request(kind, message_id, self.checksum_order)
 
-    def _patience(self) -> int:
+    def _timeout(self) -> int:
         slowest = self.slowest
         longest = self._options.timeout
         return longest if slowest is None else min(longest, MARGIN + 2 * slowest)
 
-    def _give_up(self, now: int) -> None:
+    def _time_out(self, now: int) -> None:
         for pending in [item for item in self._outstanding if item.deadline <= now]:
             self._outstanding.remove(pending)
-            self._given_up.append(pending)
+            self._timed_out.append(pending)
             self.unanswered[pending.kind] += 1
             if pending.attempt < self._options.retries:
-                self._again.append((pending.kind, pending.attempt + 1))
+                self._repeats.append((pending.kind, pending.attempt + 1))
             else:
                 self.lost[pending.kind] += 1
-            self._note_silence()
+            self._record_unanswered()
         if not self._outstanding:
             self._line_free = min(self._line_free, now)
 
-    def _note_silence(self) -> None:
-        self._in_a_row += 1
-        if self._in_a_row % UNANSWERED == 0:
-            self._delays.clear()        # what was learnt does not hold any more
+    def _record_unanswered(self) -> None:
+        self._unanswered_in_a_row += 1
+        if self._unanswered_in_a_row % UNANSWERED == 0:
+            self._delays.clear()        # they do not predict the next answer any more
             if self._options.checksum_order == 'auto':
                 self.checksum_order = 'little' if self.checksum_order == 'big' else 'big'
 
     def _is_late(self, pending: Pending, now: int) -> bool:
-        """Whether an answer that has come now is to an earlier request than this."""
-        if self._abandoned(pending.kind, now) is None or self.returns_ids:
+        """Return whether an answer received now belongs to an earlier request."""
+        if self._recently_timed_out(pending.kind, now) is None or self.returns_ids:
             return False
         sure = len(self._paced) >= FEW_MEASURED and all(self._paced)
         return sure and not self._is_paced(pending, now)
 
     def _is_paced(self, pending: Pending, now: int) -> bool:
-        """Whether an answer that has come now took at least what the line needs for it."""
+        """Return whether an answer received now took at least its time on the line."""
         return now - pending.sent >= FASTEST_LINE * self._line_time(pending.kind)
 
-    def _abandoned(self, kind: Kind, now: int) -> Pending | None:
-        """Return the latest request of a kind that was given up not long ago."""
-        return next((pending for pending in reversed(self._given_up) if pending.kind is kind
+    def _recently_timed_out(self, kind: Kind, now: int) -> Pending | None:
+        """Return the latest request of a kind that timed out recently."""
+        return next((pending for pending in reversed(self._timed_out) if pending.kind is kind
                      and now - pending.deadline < self._options.timeout), None)
 
-    def _note_unexpected(self, answer: type[TitanAnswer], now: int) -> None:
+    def _record_unexpected(self, answer: type[TitanAnswer], now: int) -> None:
         kind, = (kind for kind in REQUESTS if kind.ANSWER is answer)
         self.unexpected[kind] += 1
-        pending = self._abandoned(kind, now)
-        if pending:                     # it was only late: wait longer
-            self._given_up.remove(pending)
+        pending = self._recently_timed_out(kind, now)
+        if pending:                     # its answer was late: raise the time-out
+            self._timed_out.remove(pending)
             self._measure(pending, now)
 
     def _measure(self, pending: Pending, now: int) -> None:
         self._delays.append(max(0, now - pending.sent - self._line_time(pending.kind)))
 
     def _line_time(self, kind: Kind) -> int:
-        """Return what the line needs for a request and its answer."""
+        """Return the time that a request and its answer take on the line."""
         return (REQUEST_SIZE + answer_size(kind.ANSWER)) * self._byte_time

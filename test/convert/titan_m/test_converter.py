@@ -7,7 +7,6 @@ import math
 
 from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.titan_m.converter import ABSENT_NS, TitanConverter, TOGETHER_NS, TOPICS
-from bahrs_driver.protocol.titan_m.byte_order import PayloadReader
 from bahrs_driver.protocol.titan_m.frames import Answer
 from bahrs_driver.protocol.titan_m.messages import Gps, LAYOUTS, Sensors, State
 import pytest
@@ -18,17 +17,16 @@ STAMP, MS = 1_700_000_000_123_456_789, 1_000_000
 NAN = math.nan
 
 
-def converter(convention='enu', order='little', **options):
+def converter(convention='enu', **options):
     """Return a converter with literal options."""
     return TitanConverter(
-        replace(TITAN_OPTIONS, convention=CONVENTIONS[convention], **options),
-        PayloadReader(order))
+        replace(TITAN_OPTIONS, convention=CONVENTIONS[convention], **options))
 
 
-def told(parts, message, stamp=STAMP, order='little', wanted=True):
-    """Return what an answer becomes, by topic."""
-    payload = LAYOUTS[type(message), order].encode(message)
-    out = list(parts.convert(Answer(type(message), 0, payload, wanted=wanted), stamp))
+def told(parts, message, stamp=STAMP):
+    """Return the ROS messages of an answer with the rounding of the wire, by topic."""
+    layout = LAYOUTS[type(message), 'little']
+    out = list(parts.convert(layout.decode(layout.encode(message)), stamp))
     assert all(isinstance(ros, TOPICS[topic]) for topic, ros in out)
     return dict(out)
 
@@ -235,20 +233,10 @@ def test_declination_turns_yaw_and_not_the_heading():
     assert math.degrees(yaw) == pytest.approx(-10.0, abs=1e-5)
 
 
-def test_answers_wait_for_their_byte_order():
-    """And come under the stamps that they had."""
-    parts = converter(order='auto')
-    nothing = State(*[(0.0,) * 3] * 4)
-    assert told(parts, nothing, STAMP, 'big') == {}
-    payload = LAYOUTS[State, 'big'].encode(STATE)
-    out = [(topic, message.header.stamp.nanosec)
-           for topic, message in parts.convert(Answer(State, 0, payload), STAMP + 7)
-           if topic == 'velocity']
-    assert out == [('velocity', 123_456_789), ('velocity', 123_456_796)]
-
-
-def test_what_nobody_waits_for_is_not_published():
-    """Nor kept."""
+@pytest.mark.parametrize('wanted', [True, False])
+def test_undecoded_and_unexpected_answers_are_neither_published_nor_kept(wanted):
+    """The decoder holds the former until their byte order is known."""
     parts = converter()
-    assert told(parts, SENSORS, wanted=False) == {}
+    payload = LAYOUTS[Sensors, 'little'].encode(SENSORS)
+    assert list(parts.convert(Answer(Sensors, 0, payload, wanted=wanted), STAMP)) == []
     assert told(parts, STATE)['imu/data'].linear_acceleration_covariance[0] == -1

@@ -126,9 +126,7 @@ def test_no_answer_is_taken_for_another_of_the_same_length():
     body = bytearray(build_answer(SENSORS, length=0x2E))
     body[50:52] = (sum(body[:50]) & 0xFFFF).to_bytes(2, 'big')
     data = bytes(body[:-2]) + (sum(body[:-2]) & 0xFFFF).to_bytes(2, 'big')
-    narrow = AnswerFormat()
-    narrow.expected = lambda: [Sensors, State]
-    (frame,), _ = frames_in(data + build_answer(STATE)[:9], narrow)
+    (frame,) = Framer(AnswerFormat()).feed(data + build_answer(STATE)[:9], [Sensors, State])
     assert frame.data == data
     # A recording tells nothing of requests: but the zone would be 192, the hemisphere 241.
     assert data[46] > 60
@@ -151,14 +149,14 @@ def test_one_order_of_checksums_is_enough():
     assert little != big
     framer = Framer(frame_format)
     assert len(framer.feed(big * 2 + little + big * (ENOUGH - 1))) == ENOUGH + 2
-    assert not frame_format.checksum_order.known
-    assert len(framer.feed(big + little)) == 1 and frame_format.checksum_order.known
+    assert not frame_format.checksum_order.locked
+    assert len(framer.feed(big + little)) == 1 and frame_format.checksum_order.locked
     assert not framer.feed(little * (ENOUGH - 2))
     assert len(framer.feed(big)) == 1
     # Nothing but the other one, and it is another device.
     assert not framer.feed(little * (ENOUGH - 1))
     assert len(framer.feed(little * 9)) == 9 and frame_format.checksum_order.seen == 'little'
-    frame_format.begin()
+    frame_format.reset()
     assert len(framer.feed(little)) == 1
     forced = Framer(AnswerFormat('little'))
     assert not forced.feed(big * 20) and len(forced.feed(little + little)) == 2

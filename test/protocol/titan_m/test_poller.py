@@ -27,7 +27,7 @@ OF = {State: STATE, Gps: GPS, Sensors: SENSORS}
 def begun(rates, byte_time=BYTE, **options):
     """Return a poller on an open line."""
     poller = Poller(rates, AnswerFormat(), PollOptions(**options))
-    poller.begin(0, byte_time)
+    poller.start(byte_time)
     return poller
 
 
@@ -39,7 +39,7 @@ def asked(data):
 
 def answer(poller, kind, now, identity=0):
     """Hand in an answer; return when it was asked for, None if nobody waits for it."""
-    taken = poller.receive(Frame(0, build_answer(OF[kind], identity), 'big'), now)
+    taken = poller.match(answer_of(Frame(0, build_answer(OF[kind], identity), 'big')), now)
     assert taken.wanted == (taken.NAME == kind.NAME)
     return taken.asked if taken.wanted else None
 
@@ -48,9 +48,9 @@ def test_nothing_is_asked_of_a_line_that_is_closed():
     """Before it is opened, and after it is lost."""
     poller = Poller(ALL, AnswerFormat())
     assert poller.due(0) is None and poller.send(0) == b''
-    poller.begin(0, BYTE)
+    poller.start(BYTE)
     assert poller.due(0) == 0 and poller.send(0)
-    poller.end()
+    poller.stop()
     assert poller.due(10 ** 12) is None and poller.send(10 ** 12) == b''
     assert poller.unanswered.total() == 0
 
@@ -179,12 +179,12 @@ def test_pipelined_one_of_each_kind_is_under_way():
     """As far as their answers differ in length."""
     frame_format = AnswerFormat()
     poller = Poller(ALL, frame_format, PollOptions(pipelined=True))
-    poller.begin(0, BYTE)
+    poller.start(BYTE)
     assert [asked(poller.send(0))[0] for _ in range(2)] == [SensorsRequest, StateRequest]
     assert poller.send(0) == b''        # the GPS one could be taken for that of the sensors
     assert answer(poller, Sensors, 8 * MS) == 0
     assert asked(poller.send(8 * MS))[0] is GpsRequest
-    poller.begin(0, BYTE)
+    poller.start(BYTE)
     Framer(frame_format).feed(build_answer(SENSORS))      # of 0x3A
     assert [asked(poller.send(0))[0] for _ in range(3)] == [
         SensorsRequest, StateRequest, GpsRequest]

@@ -1,0 +1,109 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The loop that writes requests to a port that another thread reads.
+
+A pure scheduler decides what to send and when: a Poller, or an NvmSession. One thread sleeps until
+a request is due, and writes it. The thread that reads the port shares the scheduler: it hands in
+answers under `lock`, and then calls send_due(), because an answer usually makes a request due.
+Nothing is written, and no callback runs, while the lock is held.
+"""
+
+import threading
+from typing import Protocol
+
+from bahrs_driver.errors import LinkError
+from bahrs_driver.process.host_time import host_instant
+from bahrs_driver.units import NS_PER_S
+
+LONGEST_WAIT = 3600.0       # s; a lock does not wait much longer than a century
+
+
+class RequestScheduler(Protocol):
+    """Decides which request is due. Times are in ns of the host's raw clock."""
+
+    def due(self, now: int) -> int | None:
+        """Return when to call send(); None if only an event can make a request due."""
+
+    def send(self, now: int) -> bytes:
+        """Return the bytes of the next request; empty if none is due."""
+
+    def record_write(self, error: str, now: int) -> None:
+        """Record why the latest request was not written; empty if it was."""
+
+
+class Writer(Protocol):
+    """The part of a Link that the loop uses."""
+
+    def write(self, data: bytes, wait: bool = True) -> None:
+        """Send all of data. Raise LinkError if the port accepts no more."""
+
+
+class RequestLoop:
+    """Writes the requests of a scheduler. Use the scheduler only while `lock` is held."""
+
+    def __init__(self, link: Writer, scheduler: RequestScheduler | None = None) -> None:
+        """Write to a link; the scheduler may be exchanged at any time."""
+        self.lock = threading.Condition()
+        self.scheduler = scheduler
+        self._link = link
+        self._stopping = False
+
+    def run(self) -> None:
+        """Write requests when they are due, until stop() is called."""
+        while True:
+            with self.lock:
+                scheduler, data = self._wait_for_request()
+            if scheduler is None:
+                return
+            self._write(scheduler, data)
+
+    def stop(self) -> None:
+        """Make run() return soon. To be called from another thread."""
+        with self.lock:
+            self._stopping = True
+            self.lock.notify_all()
+
+    def send_due(self) -> None:
+        """
+        Write the requests that are due, on the calling thread.
+
+        What the port does not accept at once is lost: the calling thread must read the answers.
+        """
+        while True:
+            with self.lock:
+                scheduler = self.scheduler
+                data = scheduler.send(now_ns()) if scheduler else b''
+                self.lock.notify_all()
+            if not scheduler or not data:
+                return
+            self._write(scheduler, data, wait=False)
+
+    def _wait_for_request(self) -> tuple[RequestScheduler | None, bytes]:
+        """Return the next request and its scheduler; no scheduler when stopped."""
+        while not self._stopping:
+            scheduler, wait = self.scheduler, None
+            if scheduler:
+                data = scheduler.send(now_ns())
+                if data:
+                    return scheduler, data
+                self.lock.notify_all()      # send() may have ended a session
+                now = now_ns()
+                due = scheduler.due(now)
+                wait = None if due is None else min(LONGEST_WAIT, max(0, due - now) / NS_PER_S)
+            self.lock.wait(wait)
+        return None, b''
+
+    def _write(self, scheduler: RequestScheduler, data: bytes, wait: bool = True) -> None:
+        error = ''
+        try:
+            self._link.write(data, wait)
+        except LinkError as reason:     # reported by the thread that reads, if the port is gone
+            error = str(reason)
+        with self.lock:
+            scheduler.record_write(error, now_ns())
+
+
+def now_ns() -> int:
+    """Return the time of the host's raw clock, which nothing sets or slews."""
+    return host_instant().raw_ns
