@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""`bahrs report`: a recording on one page, for people."""
+"""`bahrs report`: write a page about a recording."""
 
 import argparse
 import contextlib
@@ -14,7 +14,7 @@ from bahrs_driver.cli.outputs import add_force, is_standard_output, output_file
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.errors import CaptureError, CommandError
 from bahrs_driver.process.printable import printable
-from bahrs_driver.report.clock import clock_story
+from bahrs_driver.report.clock import analyze_clock
 from bahrs_driver.report.findings import findings
 from bahrs_driver.report.gather import gather, Recording
 from bahrs_driver.report.page import page
@@ -22,21 +22,21 @@ from rich.markup import escape
 
 _EXAMPLES = """examples:
   bahrs report flight.bin                       writes flight.html beside it
-  bahrs report flight_bag -o report.html        a bag that holds raw tells of the clocks, too
+  bahrs report flight_bag -o report.html        a bag with the topic raw: clocks, too
   bahrs report flight.bin --json                the findings, for a script
 
-exit status: 0, or 1 if there is nothing to report on
+exit status: 0, or 1 if the recording has no frame
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
-        'Write one self-contained page of HTML about a recording of a BAHRS: what it holds,\n'
-        'integrity, motion, clock, noise at rest, and findings in words.')
+        'Write one self-contained page of HTML about a recording of a BAHRS: integrity,\n'
+        'motion, clock, noise at rest, and findings in sentences.')
     parser.epilog = _EXAMPLES
-    parser.add_argument('input', help='file of bytes as the device sent them, or a bag that '
-                                      'holds the topic raw')
+    parser.add_argument('input', help='file of bytes from the device, or a bag with the topic '
+                                      'raw')
     parser.add_argument('-o', '--output', metavar='FILE',
                         help='page to write; - is standard output (default: beside the '
                              'recording, with .html)')
@@ -47,11 +47,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--pressure-height', choices=('uint16', 'int16'), default='uint16',
                         help='format of the pressure height (default: %(default)s)')
     parser.add_argument('--json', action='store_true',
-                        help='write no page: print counts and findings as one JSON object')
+                        help='print counts and findings as one JSON object, and write no page')
 
 
 def run(options: argparse.Namespace) -> int:
-    """Read the recording and write the page; 1 if there is nothing in it."""
+    """Read the recording and write the page."""
     if options.json:
         print(json.dumps(_record(_recording(options))))
         return 0
@@ -65,7 +65,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _recording(options: argparse.Namespace) -> Recording:
-    """Return what is in the recording; CommandError if nothing is."""
+    """Read the recording; CommandError if it has no frame."""
     try:
         capture = read_capture(options.input, options.topic)
         if capture.sensor not in (None, 'bahrs'):
@@ -81,7 +81,7 @@ def _recording(options: argparse.Namespace) -> Recording:
 
 
 def _refuse_input(target: str, source: str) -> None:
-    """Raise CommandError if a target is of the recording, which --force must not replace."""
+    """Raise CommandError if a target belongs to the recording, which --force must not replace."""
     with contextlib.suppress(OSError, ValueError):      # one of the two does not exist
         bag = os.path.join(os.path.realpath(source), '')
         if os.path.samefile(target, source) or os.path.realpath(target, strict=True
@@ -94,7 +94,7 @@ def _target(options: argparse.Namespace) -> Path:
     if options.output:
         return Path(options.output)
     source = Path(options.input)
-    if source.name in ('', '..'):           # a folder that is named by where it is
+    if source.name in ('', '..'):           # a folder without a name of its own in the path
         source = source.resolve()
     return source.with_suffix('.html')
 
@@ -108,11 +108,11 @@ def _gather(options: argparse.Namespace, capture: Capture) -> Recording:
 
 
 def _record(recording: Recording) -> dict[str, object]:
-    story = clock_story(recording)
+    analysis = analyze_clock(recording)
     return {
         'name': printable(recording.name), 'bytes': recording.size,
         'duration': round(recording.duration, 3), 'counts': recording.counts,
         'versions': recording.versions, 'crc_failures': recording.counters.crc_failures,
         'skipped_bytes': recording.counters.skipped_bytes,
-        'drift_ppm': None if story is None else story.drift_ppm,
-        'findings': [finding._asdict() for finding in findings(recording, story)]}
+        'drift_ppm': None if analysis is None else analysis.drift_ppm,
+        'findings': [finding.to_json() for finding in findings(recording, analysis)]}

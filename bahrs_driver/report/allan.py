@@ -1,7 +1,7 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Overlapping Allan deviation, and the coefficients that can be read off it (IEEE Std 952, annex C).
+Compute the overlapping Allan deviation and its coefficients (IEEE Std 952, annex C).
 
     N   white noise: the line of slope -1/2, at 1 s
     B   bias instability: the lowest point, divided by sqrt(2 ln 2 / pi)
@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import math
 from typing import NamedTuple
 
-from bahrs_driver.report.timeline import Array
+from bahrs_driver.report.time_axis import Array
 import numpy as np
 
 POINTS = 60                     # averaging times, evenly spaced by their logarithm
@@ -51,12 +51,12 @@ class Allan:
 
     @property
     def reliable(self) -> Array:
-        """Return which points are certain enough to be read."""
+        """Points that are certain enough to be read."""
         return np.asarray(self.relative_error <= LARGEST_ERROR)
 
 
 def allan(values: Array, period: float) -> Allan:
-    """Return the deviation of evenly spaced values, period seconds apart."""
+    """Compute the deviation of evenly spaced values, period seconds apart."""
     integral = np.cumsum(np.append(0.0, values - values.mean())) * period
     longest = max(1, int(len(values) * LONGEST_SHARE))
     last_certain = max(1, int(len(values) / CERTAIN))

@@ -1,43 +1,43 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The device's clock beside the host's, from when samples were read.
+Compare the clocks of device and host, from the times at which samples were read.
 
-What a sample's arrival is late by is the delay of the line, the adapter and the host; it is never
-early. The lower envelope of the delays therefore tells how the two clocks drift apart, and what
-lies above it how unevenly data arrives.
+A sample arrives late by the delay of the line, the adapter and the host, and never early. So the
+lower envelope of the delays shows the drift between the clocks, and the distance from it how
+unevenly data arrives.
 """
 
 from dataclasses import dataclass
 
 from bahrs_driver.clock.host import FASTEST_SLEW, STEP
 from bahrs_driver.report.gather import Recording
-from bahrs_driver.report.timeline import Array
+from bahrs_driver.report.time_axis import Array
 from bahrs_driver.units import S_PER_NS, S_PER_US
 import numpy as np
 
-BUCKET = 1.0            # s, in which the least delay is looked for
-ENOUGH = 10             # buckets for a line through them
-SPAN = 5.0              # s; what is late for so long stays so
+BUCKET = 1.0            # s, of each of which the smallest delay counts
+MIN_BUCKETS = 10        # for a line through them
+SPAN = 5.0              # s; a step of the delay lasts longer
 
 
 @dataclass(frozen=True)
-class ClockStory:
-    """How the clocks went, and how data arrived. Seconds, but where a name says otherwise."""
+class ClockAnalysis:
+    """Drift of the clocks and delays of samples, in seconds unless the name has another unit."""
 
     seconds: Array          # of samples
-    delay: Array            # of each beyond the least there can be, drift taken off
-    drift_ppm: float | None         # by how much the device's clock is faster than the host's
+    delay: Array            # of each sample above the smallest, without the drift
+    drift_ppm: float | None         # of the device's clock, positive if faster than the host's
     device_zero: float              # host time at which device time was 0, s since the epoch
-    host_steps: int                 # times that the host's clock was set
+    host_steps: int                 # number of times that the host's clock was set
     read_bytes: int                 # median
     longest_pause: float            # between two reads
-    late_99: float                  # what 99 of 100 samples are less late by than this
+    late_99: float                  # percentile 99 of the delays
 
 
-def clock_story(recording: Recording) -> ClockStory | None:
-    """Compare the clocks; None if reads have no times, or samples no device time."""
-    reads, axis = recording.reads, recording.timeline
+def analyze_clock(recording: Recording) -> ClockAnalysis | None:
+    """Compare the clocks; None if reads have no times or samples have no device time."""
+    reads, axis = recording.reads, recording.time_axis
     known = ~np.isnan(axis.device_us)
     if reads is None or len(reads.ros_ns) < 2 or not known.any():
         return None
@@ -48,7 +48,7 @@ def clock_story(recording: Recording) -> ClockStory | None:
     number, seconds = number[known], axis.seconds[known]
     host = reads.ros_ns if reads.raw_ns is None else reads.raw_ns
     arrival = (host[number] - host[0]) * S_PER_NS
-    # Bytes that came behind a frame in the same read took their time on the line after it.
+    # Bytes after a frame in the same read were transmitted after it.
     behind = (reads.received[number] - recording.inertial_end[known]) * reads.byte_ns * S_PER_NS
     late = arrival - seconds
     offset = float(arrival[0] - axis.device_us[known][0] * S_PER_US)
@@ -58,7 +58,7 @@ def clock_story(recording: Recording) -> ClockStory | None:
     drift, base = _envelope(seconds, late - behind)
     delay = late - (base + (drift or 0.0) * seconds)
     sizes = np.diff(reads.received, prepend=0)
-    return ClockStory(
+    return ClockAnalysis(
         seconds, delay, None if drift is None else -drift * 1e6,
         offset + float(reads.ros_ns[0]) * S_PER_NS,
         len(jumps) if reads.raw_ns is None else _times_set(reads.ros_ns, reads.raw_ns),
@@ -67,41 +67,41 @@ def clock_story(recording: Recording) -> ClockStory | None:
 
 
 def _times_set(ros_ns: Array, raw_ns: Array) -> int:
-    """Return how often ROS time moved against a clock that nobody sets, faster than by a slew."""
+    """Return how often ROS time moved faster than by a slew, against CLOCK_MONOTONIC_RAW."""
     elapsed = np.diff(raw_ns)
     return int((abs(np.diff(ros_ns) - elapsed) > STEP + FASTEST_SLEW * elapsed).sum())
 
 
 def _jumps(seconds: Array, late: Array) -> list[tuple[int, float]]:
     """
-    Return the samples from which on everything is late by another second or more, and by how many.
+    Return the samples at which the delay steps by a second or more, and the steps in seconds.
 
-    What a stalled host is late for is none of these: it is soon prompt again. Below 0 is early.
+    The delays of a stalled host are not steps: they end soon.
     """
     starts = _starts(seconds, SPAN)
     least = np.minimum.reduceat(late, starts)
     bounds = [*starts, len(late)]
     found = []
-    for place in np.flatnonzero(abs(np.diff(least)) > 1.0):
-        size = float(least[place + 1] - least[place])
-        low, high = bounds[place] + 1, bounds[min(place + 2, len(starts))]
+    for bucket in np.flatnonzero(abs(np.diff(least)) > 1.0):
+        size = float(least[bucket + 1] - least[bucket])
+        low, high = bounds[bucket] + 1, bounds[min(bucket + 2, len(starts))]
         change = np.diff(late[low - 1:high])
         found.append((int(low + np.argmax(change * np.sign(size))), size))
     return found
 
 
 def _starts(seconds: Array, span: float) -> Array:
-    """Return the first sample of each span of so many seconds that has any."""
+    """Return the first sample of each span in seconds that has any."""
     return np.flatnonzero(np.diff((seconds / span).astype(np.int64), prepend=-1))
 
 
 def _envelope(seconds: Array, late: Array) -> tuple[float | None, float]:
-    """Return slope and start of a line below all delays; no slope if there are too few."""
+    """Return slope and start of a line below all delays; no slope for too few buckets."""
     starts = _starts(seconds, BUCKET)
     least = np.minimum.reduceat(late, starts)
-    if len(starts) < ENOUGH:
+    if len(starts) < MIN_BUCKETS:
         return None, float(least.min())
-    # The median of slopes over half the recording: some seconds that are late bend it nowhere.
+    # The median of slopes over half the recording: some late seconds do not change it.
     half = len(starts) // 2
     slopes = (least[half:] - least[:-half]) / (seconds[starts][half:] - seconds[starts][:-half])
     slope = float(np.median(slopes))

@@ -1,12 +1,12 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Fewer points that look the same: the least and the greatest value of each stretch."""
+"""Reduce a curve to the minimum and maximum of each bucket, with the same look."""
 
-from bahrs_driver.report.timeline import Array
+from bahrs_driver.report.time_axis import Array
 import numpy as np
 
-BUCKETS = 900           # stretches; a picture is hardly wider
-GAP_SHARE = 0.004       # of the whole time, from which on a gap is seen
+BUCKETS = 900           # about the width of a picture in pixels
+GAP_SHARE = 0.004       # of the whole time, above which a gap is visible
 SHORTEST_GAP = 0.1      # s
 
 
@@ -14,7 +14,7 @@ def envelope(seconds: Array, values: Array, buckets: int = BUCKETS) -> tuple[Arr
     """
     Return points whose line looks like that of all values.
 
-    NaN in values, and gaps in time that would be seen, interrupt the line.
+    NaN in values, and visible gaps in time, interrupt the line.
     """
     if not len(seconds):
         return np.empty(0), np.empty(0)
@@ -36,7 +36,7 @@ def envelope(seconds: Array, values: Array, buckets: int = BUCKETS) -> tuple[Arr
 
 
 def angle_envelope(seconds: Array, degrees: Array, buckets: int = BUCKETS) -> tuple[Array, Array]:
-    """Return the same for an angle from 0 to 360 degrees, interrupted where it passes 360."""
+    """Return the envelope of an angle from 0 to 360 degrees, interrupted where it passes 360."""
     good = ~np.isnan(degrees)
     unwrapped = np.full(len(degrees), np.nan)
     unwrapped[good] = np.unwrap(degrees[good], period=360.0)
@@ -47,7 +47,7 @@ def angle_envelope(seconds: Array, degrees: Array, buckets: int = BUCKETS) -> tu
 
 
 def runs(seconds: Array, states: Array) -> list[tuple[float, float, int]]:
-    """Return from when to when a state held: (begin, end, state), one after the other."""
+    """Return the intervals of constant state as (begin, end, state), in order."""
     if not len(states):
         return []
     changes = np.flatnonzero(np.diff(states)) + 1

@@ -1,21 +1,36 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""A finding about a recording, and how its times are written."""
+"""A finding about a recording, and the format of its times."""
 
+from enum import Enum
 from typing import NamedTuple
 
-GOOD, NOTICE, WARNING, ERROR = 'good', 'notice', 'warning', 'error'
+
+class Severity(Enum):
+    """How much a finding matters, the worst first."""
+
+    ERROR = 'error'
+    WARNING = 'warning'
+    NOTICE = 'notice'
+    GOOD = 'good'
+
+
+ERROR, WARNING, NOTICE, GOOD = Severity
 
 
 class Finding(NamedTuple):
     """A sentence, and how much it matters."""
 
-    level: str
+    level: Severity
     text: str
+
+    def to_json(self) -> dict[str, str]:
+        """Return the finding as plain values."""
+        return {'level': self.level.value, 'text': self.text}
 
 
 def clock_time(seconds: float) -> str:
-    """Return a time since the beginning as minutes and seconds, or with hours."""
+    """Return a time since the beginning in minutes and seconds, with hours from one on."""
     minutes, tenths = divmod(round(seconds * 10), 600)
     if minutes >= 60:
         return f'{minutes // 60}:{minutes % 60:02d}:{tenths / 10:04.1f}'

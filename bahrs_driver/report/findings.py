@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Findings about a recording in words, the worst first."""
+"""Describe a recording in findings, the worst first."""
 
 from collections.abc import Iterator
 
@@ -9,32 +9,30 @@ from bahrs_driver.protocol.bahrs.messages import (
     FORCE, FORCE_2, HEIGHT, HEIGHT_OFFSET, RATE, RATE_2, VELOCITY,
 )
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.report.clock import ClockStory
+from bahrs_driver.report.clock import ClockAnalysis
 from bahrs_driver.report.finding import (
-    clock_time, ERROR, Finding, GOOD, NOTICE, WARNING,
+    clock_time, ERROR, Finding, GOOD, NOTICE, Severity, WARNING,
 )
 from bahrs_driver.report.gather import Recording
 from bahrs_driver.report.integrity import integrity_findings
-from bahrs_driver.report.timeline import Array, UNKNOWN_PAUSE
+from bahrs_driver.report.time_axis import Array, BreakKind, UNKNOWN_PAUSE
 
-_ORDER = (ERROR, WARNING, NOTICE, GOOD)
-
-CUT_OFF = 64                # bytes that may be left over where a recording begins and ends
-MANY = 5                    # places named one by one
-DRIFT_LIMIT = 100.0         # ppm, beyond which a crystal is not well
-LATE_LIMIT = 0.02           # s by which 99 of 100 samples should have come
-HELD_BACK = 60              # bytes a read, from which on an adapter holds them back
+CUT_OFF = 64                # bytes of cut frames at the beginning and end of a recording
+MANY = 5                    # events named one by one
+DRIFT_LIMIT = 100.0         # ppm; more is a defect of a crystal
+LATE_LIMIT = 0.02           # s of delay that 99 of 100 samples should not exceed
+LONG_READ = 60              # bytes a read, above which an adapter holds bytes back
 HIGHEST_RAW = 32767
 INERTIAL_RATE, NAVIGATION_RATE = 200.0, 100.0       # Hz
 RATE_TOLERANCE = 0.02
 
 
-def findings(recording: Recording, story: ClockStory | None) -> list[Finding]:
-    """Return all of them, the worst first."""
+def findings(recording: Recording, analysis: ClockAnalysis | None) -> list[Finding]:
+    """Return all findings, the worst first."""
     found = [*_framing(recording), *_breaks(recording), *_rates(recording),
-             *integrity_findings(recording), *_saturation(recording), *_clock(recording, story),
+             *integrity_findings(recording), *_saturation(recording), *_clock(recording, analysis),
              *_device(recording), *(Finding(WARNING, printable(note)) for note in recording.notes)]
-    return sorted(found, key=lambda finding: _ORDER.index(finding.level))
+    return sorted(found, key=lambda finding: list(Severity).index(finding.level))
 
 
 def _framing(recording: Recording) -> Iterator[Finding]:
@@ -44,11 +42,11 @@ def _framing(recording: Recording) -> Iterator[Finding]:
         yield Finding(
             ERROR if share > 0.1 else WARNING,
             f'{counters.crc_failures:,} damaged frames ({share:.2%}) and '
-            f'{counters.skipped_bytes:,} bytes that belong to none: look at cable, ground and '
+            f'{counters.skipped_bytes:,} bytes outside of frames: check cable, ground and '
             'baud rate.')
     else:
-        rest = f'{counters.skipped_bytes} bytes are left over, as where a recording begins or ' \
-               'ends within a frame' if counters.skipped_bytes else 'no byte is left over'
+        rest = f'{counters.skipped_bytes} bytes are left over: a recording may begin or end ' \
+               'within a frame' if counters.skipped_bytes else 'no byte is left over'
         yield Finding(GOOD, f'All {counters.frames:,} frames are intact; {rest}.')
     if counters.unknown_types:
         names = ', '.join(f'{printable(name)} ({count:,})'
@@ -57,8 +55,8 @@ def _framing(recording: Recording) -> Iterator[Finding]:
 
 
 def _breaks(recording: Recording) -> Iterator[Finding]:
-    axis = recording.timeline
-    lost = [found for found in axis.breaks if found.kind == 'lost']
+    axis = recording.time_axis
+    lost = [found for found in axis.breaks if found.kind is BreakKind.LOST]
     if lost:
         missing = sum(found.missing for found in lost)
         share = missing / (missing + len(axis.seconds))
@@ -75,8 +73,8 @@ def _breaks(recording: Recording) -> Iterator[Finding]:
 
 
 def _pauses(recording: Recording) -> Iterator[Finding]:
-    axis = recording.timeline
-    pauses = [found for found in axis.breaks if found.kind == 'paused']
+    axis = recording.time_axis
+    pauses = [found for found in axis.breaks if found.kind is BreakKind.PAUSED]
     if len(pauses) > MANY:
         total = sum(found.seconds for found in pauses)
         longest = max(pauses, key=lambda found: found.seconds)
@@ -92,9 +90,9 @@ def _pauses(recording: Recording) -> Iterator[Finding]:
 
 
 def _restarts(recording: Recording) -> Iterator[Finding]:
-    axis = recording.timeline
+    axis = recording.time_axis
     times = [clock_time(axis.seconds[found.index]) for found in axis.breaks
-             if found.kind == 'restarted']
+             if found.kind is BreakKind.RESTARTED]
     if times:
         named = ', '.join(times[:MANY]) + (f' and {len(times) - MANY:,} times more, the last '
                                            f'before {times[-1]}' if len(times) > MANY else '')
@@ -103,7 +101,8 @@ def _restarts(recording: Recording) -> Iterator[Finding]:
 
 
 def _rates(recording: Recording) -> Iterator[Finding]:
-    paused = sum(found.seconds for found in recording.timeline.breaks if found.kind != 'lost')
+    paused = sum(found.seconds for found in recording.time_axis.breaks
+                 if found.kind is not BreakKind.LOST)
     flowing = recording.duration - paused
     if flowing < 1.0:
         yield Finding(WARNING, f'There is only {recording.duration:.1f} s of data.')
@@ -134,41 +133,44 @@ def _saturation(recording: Recording) -> Iterator[Finding]:
 def _at_limit(where: Array, name: str) -> Iterator[Finding]:
     count = int(where.any(axis=1).sum() if where.ndim > 1 else where.sum())
     if count:
-        yield Finding(WARNING, f'The {name} is at the end of its range in {count:,} samples: it '
-                               'is more than can be measured or sent.')
+        yield Finding(WARNING, f'The {name} is at the limit of its range in {count:,} samples: '
+                               'the true value is larger.')
 
 
-def _clock(recording: Recording, story: ClockStory | None) -> Iterator[Finding]:
-    axis = recording.timeline
+def _clock(recording: Recording, analysis: ClockAnalysis | None) -> Iterator[Finding]:
+    axis = recording.time_axis
     if axis.label_ahead is None:
-        yield Finding(WARNING, 'There is no inertial time message: samples are spaced by their '
-                               'nominal period.')
+        yield Finding(WARNING, 'There is no inertial time message: the times of samples are '
+                               'multiples of the nominal period.')
     elif axis.label_ahead == 1:
-        yield Finding(GOOD, 'Time messages name the sample after the one they are about, as '
-                            'known devices do; the driver reads them so by itself.')
+        yield Finding(GOOD, 'Time messages name the sample after the one that they refer to, '
+                            'as known devices do; the driver detects this.')
     elif axis.label_ahead == 0:
         yield Finding(NOTICE, 'Time messages name the sample just sent, as the document says.')
     else:
         yield Finding(WARNING, f'Time messages name a sample {axis.label_ahead} ahead of the one '
                                'just sent, which no known device does.')
-    if story is None:
+    if analysis is None:
         return
-    if story.drift_ppm is not None and abs(story.drift_ppm) > DRIFT_LIMIT:
-        yield Finding(WARNING, f"The device's clock drifts {story.drift_ppm:+.1f} ppm against the "
-                               f"host's, more than {DRIFT_LIMIT:.0f}: one of them is not well.")
-    if story.late_99 > LATE_LIMIT:
-        yield Finding(NOTICE, f'One of 100 samples comes more than {story.late_99 * 1e3:.0f} ms '
-                              'late: the host was busy, or the adapter holds bytes back.')
-    if story.read_bytes > HELD_BACK:
-        yield Finding(NOTICE, f'Reads bring {story.read_bytes} bytes at a time: a latency timer '
-                              'of 1 ms would bring them sooner ("bahrs doctor" says how).')
-    if story.host_steps:
-        yield Finding(WARNING, f"The host's clock was set {story.host_steps} times.")
+    if analysis.drift_ppm is not None and abs(analysis.drift_ppm) > DRIFT_LIMIT:
+        yield Finding(WARNING, f"The device's clock drifts {analysis.drift_ppm:+.1f} ppm against "
+                               f"the host's, more than {DRIFT_LIMIT:.0f}: one of them is "
+                               'defective.')
+    if analysis.late_99 > LATE_LIMIT:
+        yield Finding(NOTICE, 'One of 100 samples arrives more than '
+                              f'{analysis.late_99 * 1e3:.0f} ms late: the host was busy, or the '
+                              'adapter holds bytes back.')
+    if analysis.read_bytes > LONG_READ:
+        yield Finding(NOTICE, f'Reads return {analysis.read_bytes} bytes at a time: a latency '
+                              'timer of 1 ms reduces the delay ("bahrs doctor" prints the '
+                              'command).')
+    if analysis.host_steps:
+        yield Finding(WARNING, f"The host's clock was set {analysis.host_steps} times.")
 
 
 def _device(recording: Recording) -> Iterator[Finding]:
     if recording.software is None:
-        yield Finding(NOTICE, 'No software version was heard: the device tells it only at '
+        yield Finding(NOTICE, 'There is no software version: the device sends it only at '
                               'power-on, so the recording began later, or its version is old.')
     if len(recording.versions) > 1:
         yield Finding(WARNING, 'Frames of several protocol versions are mixed: '

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""A recording of a BAHRS, read into arrays a piece at a time."""
+"""Read a recording of a BAHRS into arrays, a piece at a time."""
 
 from array import array
 from collections import Counter
@@ -22,14 +22,14 @@ from bahrs_driver.protocol.bahrs.messages import (
 from bahrs_driver.protocol.batch import Batch
 from bahrs_driver.protocol.decoder import Decoder
 from bahrs_driver.protocol.framing import Frame, Framer, FramingCounters
-from bahrs_driver.report.timeline import Array, Timeline, timeline
+from bahrs_driver.report.time_axis import Array, make_time_axis, TimeAxis
 from bahrs_driver.units import COUNTER_MODULUS
 import numpy as np
 
 
 @dataclass(frozen=True)
 class Signals:
-    """Messages of a kind: when each was measured (s), its values, what they are worth."""
+    """The messages of one type: times (s), values and integrity."""
 
     seconds: Array
     values: dict[str, Array]            # by the name of the field; float32
@@ -39,17 +39,17 @@ class Signals:
 
 @dataclass(frozen=True)
 class Reads:
-    """What each read of the host brought."""
+    """The reads of the host."""
 
     ros_ns: Array
-    raw_ns: Array | None                # on a clock that nobody sets, if the recording has it
-    received: Array                     # bytes of the stream by then
-    byte_ns: int                        # that a byte takes on the line; 0 if not known
+    raw_ns: Array | None                # on CLOCK_MONOTONIC_RAW, if recorded
+    received: Array                     # bytes of the stream after each read
+    byte_ns: int                        # transmission time of a byte; 0 if unknown
 
 
 @dataclass(frozen=True)
 class Recording:
-    """All that a report is made of."""
+    """The data of a report."""
 
     name: str
     size: int                           # bytes of the stream
@@ -59,12 +59,12 @@ class Recording:
     crc_order: str | None
     software: SoftwareVersion | None
     hardware: HardwareVersion | None
-    timeline: Timeline
+    time_axis: TimeAxis
     inertial: Signals
     navigation: Signals
     accuracy: Signals
-    pulses: Array                       # when sync pulses came, s
-    navigation_label: int | None        # how many ahead the sample is that time messages name
+    pulses: Array                       # times of sync pulses, s
+    navigation_label: int | None        # by how many the sample is ahead that time messages name
     reads: Reads | None
     inertial_end: Array                 # offset of the byte after each inertial frame
     openings: int                       # of the port
@@ -73,7 +73,7 @@ class Recording:
     @property
     def duration(self) -> float:
         """Seconds from the first sample to the last."""
-        return float(self.timeline.seconds[-1]) if len(self.timeline.seconds) else 0.0
+        return float(self.time_axis.seconds[-1]) if len(self.time_axis.seconds) else 0.0
 
 
 class _FrameCollector(Decoder):
@@ -120,11 +120,11 @@ def _recording(capture: Capture, batch: Batch, counters: PipelineCounters,
         counts[codec.layouts_by_header[header].message.NAME] += count
         versions[frame_version(header)] += count
     inertial, navigation = batch.take(Inertial), batch.take(Navigation)
-    axis = timeline(inertial['offset'], inertial['sequence'], batch.take(InertialTime))
+    axis = make_time_axis(inertial['offset'], inertial['sequence'], batch.take(InertialTime))
     offsets = inertial['offset'].copy()
 
     def when(array: Array) -> Array:
-        """Return when messages were measured: with the inertial sample before them."""
+        """Return the times of messages: those of the inertial samples before them."""
         if not len(offsets):
             return np.arange(len(array)) * 0.01
         return np.asarray(axis.seconds[np.searchsorted(offsets, array['offset']).clip(1) - 1])
@@ -157,7 +157,7 @@ def _last(array: Array) -> list[Any]:
 
 
 def _label(navigation: Array, times: Array) -> int | None:
-    """Return how many navigation messages ahead that one is which time messages name."""
+    """Return by how many the navigation message is ahead that time messages name."""
     times = times[times['device_time_us'] != 0]
     latest = np.searchsorted(navigation['offset'], times['offset']) - 1
     times, latest = times[latest >= 0], latest[latest >= 0]

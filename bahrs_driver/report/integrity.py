@@ -1,24 +1,23 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Findings about integrity: which signals were not safe, for how long, and when."""
+"""Find which signals were not safe, for how long, and when."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
 
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.report.finding import clock_time, Finding, GOOD, NOTICE, WARNING
+from bahrs_driver.report.finding import clock_time, Finding, GOOD, NOTICE, Severity, WARNING
 from bahrs_driver.report.gather import Recording, Signals
-from bahrs_driver.report.timeline import Array
+from bahrs_driver.report.time_axis import Array
 import numpy as np
 
-WORDS = {Integrity.INTEGRITY_RISK: 'at integrity risk', Integrity.UNAVAILABLE: 'unavailable',
-         Integrity.RESERVED: 'reserved'}
+UNSAFE = (Integrity.INTEGRITY_RISK, Integrity.UNAVAILABLE, Integrity.RESERVED)
 MUCH = 1.0              # s in all, above which it is a warning
-NAMED = 3               # stretches that are named one by one
-GAP = 0.5               # s without a sample that end a stretch: nothing is known of them
+NAMED = 3               # intervals that are named one by one
+GAP = 0.5               # s without a sample, in which the state is unknown
 
 
-class Stretch(NamedTuple):
+class Interval(NamedTuple):
     """A time, in seconds since the first sample, over which a signal had one state."""
 
     begin: float
@@ -26,8 +25,8 @@ class Stretch(NamedTuple):
 
 
 def integrity_findings(recording: Recording) -> Iterator[Finding]:
-    """Yield which signals were not safe; those that were so at the same times together."""
-    alike: dict[tuple[str, str], list[str]] = {}
+    """Yield the signals that were not safe, in one finding for those with the same times."""
+    alike: dict[tuple[Severity, str], list[str]] = {}
     for signals in (recording.inertial, recording.navigation):
         for index, name in enumerate(signals.names):
             for level, text in _signal(signals, index):
@@ -38,8 +37,8 @@ def integrity_findings(recording: Recording) -> Iterator[Finding]:
         yield Finding(GOOD, 'All signals are safe throughout.')
 
 
-def stretches(seconds: Array, held: Array) -> list[Stretch]:
-    """Return when samples held a state, by their times and whether each did."""
+def find_intervals(seconds: Array, held: Array) -> list[Interval]:
+    """Return the intervals of a state, from the times of samples and whether each has it."""
     where = np.flatnonzero(held)
     if not len(where):
         return []
@@ -47,29 +46,29 @@ def stretches(seconds: Array, held: Array) -> list[Stretch]:
     period = float(np.median(steps)) if len(steps) else 0.0
     breaks = np.flatnonzero((np.diff(where) > 1) | (np.diff(seconds[where]) > GAP)) + 1
     pieces = [seconds[piece] for piece in np.split(where, breaks)]
-    return [Stretch(float(piece[0]), float(piece[-1] - piece[0]) + period) for piece in pieces]
+    return [Interval(float(piece[0]), float(piece[-1] - piece[0]) + period) for piece in pieces]
 
 
-def _signal(signals: Signals, index: int) -> Iterator[tuple[str, str]]:
-    """Yield how much it matters that a signal was not safe, and when that was."""
+def _signal(signals: Signals, index: int) -> Iterator[tuple[Severity, str]]:
+    """Yield the severity and the times of each state that is not safe."""
     health = signals.health[:, index]
-    for state, words in WORDS.items():
+    for state in UNSAFE:
         held = health == state
         if held.all() and len(held):
-            yield WARNING, f'{words} throughout'
+            yield WARNING, f'{state.words} throughout'
         elif held.any():
-            found = stretches(signals.seconds, held)
-            total = sum(stretch.seconds for stretch in found)
+            found = find_intervals(signals.seconds, held)
+            total = sum(interval.seconds for interval in found)
             yield (WARNING if total > MUCH else NOTICE,
-                   f'{words} for {_when(found, from_start=bool(held[0]))}')
+                   f'{state.words} for {_when(found, from_start=bool(held[0]))}')
 
 
-def _when(found: list[Stretch], from_start: bool) -> str:
+def _when(found: list[Interval], from_start: bool) -> str:
     """
     Return when a signal had a state.
 
-    The time from the first sample on is named for itself: a device has no solution at startup,
-    and that must not hide what happens later.
+    The interval from the first sample on is separate: a device has no solution at startup, which
+    must not hide later intervals.
     """
     if not from_start:
         return _listed_times(found)
@@ -77,18 +76,18 @@ def _when(found: list[Stretch], from_start: bool) -> str:
     return startup + (f', later for {_listed_times(found[1:])}' if found[1:] else '')
 
 
-def _listed_times(found: list[Stretch]) -> str:
+def _listed_times(found: list[Interval]) -> str:
     if len(found) <= NAMED:
         return _joined([f'{seconds:.2f} s from {clock_time(begin)}' for begin, seconds in found])
-    total = sum(stretch.seconds for stretch in found)
-    longest = max(found, key=lambda stretch: stretch.seconds)
-    return (f'{total:.2f} s in {len(found):,} stretches from {clock_time(found[0].begin)} to '
+    total = sum(interval.seconds for interval in found)
+    longest = max(found, key=lambda interval: interval.seconds)
+    return (f'{total:.2f} s in {len(found):,} intervals from {clock_time(found[0].begin)} to '
             f'{clock_time(found[-1].begin + found[-1].seconds)}, the longest '
             f'{longest.seconds:.2f} s from {clock_time(longest.begin)}')
 
 
 def _listed(names: list[str]) -> str:
-    """Return names as a text, those of a whole vector together."""
+    """Return names as a text; the components of a vector are one name."""
     for quantity in ('specific force', 'angular rate'):
         components = [f'{quantity} {axis}' for axis in 'xyz']
         if set(components) <= set(names):

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Spectrum and Allan deviation of a device at rest, and the figures that are read off them."""
+"""Compute and draw spectrum and Allan deviation of a device at rest."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,22 +12,22 @@ from bahrs_driver.report.gather import Recording
 from bahrs_driver.report.plots import COLOURS, WIDTH
 from bahrs_driver.report.rest import longest_rest
 from bahrs_driver.report.spectrum import density, lines
-from bahrs_driver.report.timeline import Array
+from bahrs_driver.report.time_axis import Array
 from bahrs_driver.units import STANDARD_GRAVITY
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 import numpy as np
 
-ENOUGH = 60.0               # s of rest, below which nothing is said of noise
-CLIMB = 2.0                 # m/s; a device at rest is not taken to go up or down faster
-LONGEST = 2_000_000         # samples looked at, nearly three hours
+MIN_REST = 60.0             # s of rest, below which noise is not analyzed
+CLIMB = 2.0                 # m/s; a device that climbs or descends faster is not at rest
+MAX_SAMPLES = 2_000_000     # analyzed, nearly three hours
 COMPONENTS = ('x', 'y', 'z')
 _DEGREES_AN_HOUR = math.degrees(1) * 3600
 
 
 @dataclass(frozen=True)
-class Noise:
-    """What a device at rest shows."""
+class RestNoise:
+    """The noise of a device at rest."""
 
     begin: float                # s
     seconds: float
@@ -38,23 +38,23 @@ class Noise:
     rate_allan: Sequence[Allan]
 
 
-def noise_at_rest(recording: Recording) -> Noise | float:
-    """Look at the longest rest; return but its length in s if it is too short."""
+def noise_at_rest(recording: Recording) -> RestNoise | float:
+    """Analyze the longest rest; return only its length in s if it is too short."""
     found = _rest(recording)
-    if found is None or found[1] < ENOUGH:
+    if found is None or found[1] < MIN_REST:
         return found[1] if found else 0.0
     part, length = found
     seconds = recording.inertial.seconds[part]
     period = length / (len(seconds) - 1)
     force, rate = (recording.inertial.values[name][part].astype(np.float64)
                    for name in ('specific_force', 'angular_rate'))
-    return Noise(float(seconds[0]), length, period, force, rate,
-                 [allan(column, period) for column in force.T],
-                 [allan(column, period) for column in rate.T])
+    return RestNoise(float(seconds[0]), length, period, force, rate,
+                     [allan(column, period) for column in force.T],
+                     [allan(column, period) for column in rate.T])
 
 
-def figures(noise: Noise) -> list[tuple[str, list[str]]]:
-    """Return rows of a table: what it is, and its value for x, y and z."""
+def figures(noise: RestNoise) -> list[tuple[str, list[str]]]:
+    """Return rows of a table: the name of a figure, and its value for x, y and z."""
     return [
         ('rate: mean [°/s]', _each(math.degrees(1) * noise.rate.mean(axis=0), '.4f')),
         ('rate: standard deviation [°/s]', _each(math.degrees(1) * noise.rate.std(axis=0), '.4f')),
@@ -75,8 +75,8 @@ def figures(noise: Noise) -> list[tuple[str, list[str]]]:
     ]
 
 
-def remarks(noise: Noise) -> list[str]:
-    """Return what there is to know about lines in the spectrum."""
+def remarks(noise: RestNoise) -> list[str]:
+    """Return remarks about the lines of the spectrum."""
     half_rate = 0.5 / noise.period
     found = [(f'{what} {name}', lines(column, noise.period))
              for what, values in (('specific force', noise.force), ('angular rate', noise.rate))
@@ -91,7 +91,7 @@ def remarks(noise: Noise) -> list[str]:
     return sentences
 
 
-def spectrum(noise: Noise) -> Figure:
+def spectrum(noise: RestNoise) -> Figure:
     """Draw the spectral density of force and rate, with half the sample rate dotted."""
     figure, (left, right) = _pair()
     for axes, values, unit, what in (
@@ -105,14 +105,14 @@ def spectrum(noise: Noise) -> Figure:
             axes.axvline(0.5 / noise.period, color='#888888', lw=0.8, ls=':')
         low, high = axes.get_ylim()
         axes.set_ylim(low / 2, high * 2)
-        _say_if_empty(axes)
+        _mark_if_empty(axes)
         axes.set_ylabel(f'{what} [{unit}/√Hz]')
         axes.set_xlabel('frequency [Hz]')
         _legend(axes)
     return figure
 
 
-def deviation(noise: Noise) -> Figure:
+def deviation(noise: RestNoise) -> Figure:
     """Draw the Allan deviation of force and rate, with its uncertainty."""
     figure, (left, right) = _pair()
     for axes, curves, factor, unit, what in (
@@ -129,7 +129,7 @@ def deviation(noise: Noise) -> Figure:
             axes.fill_between(curve.tau, value * (1 - error), value * (1 + error), color=colour,
                               alpha=0.15, lw=0)
         _slope(axes, curves, factor)
-        _say_if_empty(axes)
+        _mark_if_empty(axes)
         axes.set_ylabel(f'{what} [{unit}]')
         axes.set_xlabel('averaging time τ [s]')
         _legend(axes)
@@ -137,7 +137,7 @@ def deviation(noise: Noise) -> Figure:
 
 
 def _strongest(values: Array, period: float) -> list[str]:
-    """Return for each component at which frequency something vibrates, if it does."""
+    """Return the frequency of the strongest line of each component, if any."""
     found = [lines(column, period).strongest for column in values.T]
     return ['none' if frequency is None else f'{frequency:.1f}' for frequency in found]
 
@@ -156,7 +156,7 @@ def _legend(axes: Axes) -> None:
         axes.legend(frameon=False, ncols=4, loc='lower right', bbox_to_anchor=(1.0, 0.98))
 
 
-def _say_if_empty(axes: Axes) -> None:
+def _mark_if_empty(axes: Axes) -> None:
     if not axes.lines:
         axes.text(0.5, 0.5, 'all values are the same', transform=axes.transAxes, ha='center')
 
@@ -177,7 +177,7 @@ def _rest(recording: Recording) -> tuple[slice, float] | None:
         ('angular_rate', _available(signals.health[:, 3:]))))
     force[_climbs(recording)] = np.nan
     rest = longest_rest(signals.seconds, force, rate)
-    part = slice(rest.begin, min(rest.end, rest.begin + LONGEST))
+    part = slice(rest.begin, min(rest.end, rest.begin + MAX_SAMPLES))
     if part.stop - part.start < 2:
         return None
     seconds = signals.seconds[part]
@@ -185,8 +185,8 @@ def _rest(recording: Recording) -> tuple[slice, float] | None:
 
 
 def _climbs(recording: Recording) -> Array:
-    """Return for each inertial sample whether it is one of a climb or a descent."""
-    # A steady one feels as being at rest does.
+    """Return for each inertial sample whether the device climbs or descends."""
+    # Force and rate of a steady climb are those at rest.
     signals, seconds = recording.navigation, recording.inertial.seconds
     known = _available(signals.health[:, signals.names.index('velocity_down')])
     fast = known & (abs(signals.values['velocity_down']) > CLIMB)

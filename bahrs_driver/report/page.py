@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""One page of HTML with everything in it: no network is needed to read it."""
+"""Write one self-contained page of HTML, which needs no network."""
 
 import base64
 from collections.abc import Iterable, Iterator
@@ -10,7 +10,7 @@ import time
 
 from bahrs_driver.process.printable import printable
 from bahrs_driver.report import noise, plots
-from bahrs_driver.report.clock import clock_story, ClockStory
+from bahrs_driver.report.clock import analyze_clock, ClockAnalysis
 from bahrs_driver.report.finding import clock_time
 from bahrs_driver.report.findings import findings
 from bahrs_driver.report.gather import Recording
@@ -44,27 +44,27 @@ footer { color: #777; font-size: 13px; margin: 40px 0 20px; }
 @media print { h2, img, li { break-inside: avoid; } }
 """
 _LONG = ' class="long"'
-MUCH = 16               # characters of a value that must be smaller to fit
-LONGEST_TEXT = 2000     # characters of a sentence, which may name many things
+MUCH = 16               # characters, above which a value is set in a smaller font
+LONGEST_TEXT = 2000     # characters of a sentence
 _SETTINGS = {'svg.fonttype': 'path', 'svg.hashsalt': 'bahrs', 'font.size': 10,
              'path.simplify': True, 'axes.unicode_minus': True}
-_INTEGRITY = 'What the device said each signal was worth. White is where nothing came.'
-_FLOW = 'Messages in each second; dotted is what the device sends.'
+_INTEGRITY = 'Integrity reported by the device. White: no data.'
+_FLOW = 'Messages a second. Dotted: the rate at which the device sends.'
 _INERTIAL = ('In body axes: forward, right, down. At rest the specific force is about -9.8 m/s² '
-             'along z. Where a stretch holds more samples than pixels, its least and greatest '
-             'values are drawn.')
+             'along z. Where samples are closer than pixels, the smallest and largest values '
+             'are drawn.')
 _ATTITUDE = ('Positive roll is to the right, positive pitch nose up; the heading is magnetic, '
              'clockwise from north.')
 _HEIGHT = 'Height above the 1013.25 hPa level of the standard atmosphere; climb is positive up.'
-_ACCURACY = ('What the device itself says its attitude is good for: rotations about north and '
-             'east, and the heading, if it has one.')
-_ARRIVALS = ('By how much each sample came later than the promptest ones, with the drift of the '
-             "device's clock against the host's taken off. A smooth band is an adapter's timer; "
-             'peaks are a busy host. Stamps of the driver do not show this: it takes it out.')
-_NO_CLOCK = ('The recording has no times of reads, so nothing can be said of offset, drift and '
-             'delays. A bag with the topic <code>raw</code> has them '
+_ACCURACY = ('Standard deviations of the attitude that the device reports: rotations about north '
+             'and east, and the heading, if it has one.')
+_ARRIVALS = ('Delay of each sample above the smallest, without the drift between the clocks of '
+             "device and host. A smooth band is an adapter's timer; peaks are a busy host. The "
+             'driver removes these delays from its stamps.')
+_NO_CLOCK = ('The recording has no times of reads, so offset, drift and delays are unknown. '
+             'A bag with the topic <code>raw</code> has them '
              '(<code>publish.raw: true</code>, <code>bahrs record</code>).')
-_SPECTRUM = 'White noise is flat; peaks are vibration, or what turns at that frequency.'
+_SPECTRUM = 'White noise is flat; peaks are vibrations or rotating parts.'
 _ALLAN = ('Overlapping Allan deviation, shaded by one standard error (IEEE Std 952). N is read '
           'from a slope of -1/2 and K from a slope of +1/2, both over a decade of τ, B from the '
           'lowest point, and all of them only where the standard error is 25 % at most, which is '
@@ -73,7 +73,7 @@ _ALLAN = ('Overlapping Allan deviation, shaded by one standard error (IEEE Std 9
 
 def page(recording: Recording) -> Iterator[str]:
     """Yield the page, a part at a time."""
-    story = clock_story(recording)
+    analysis = analyze_clock(recording)
     yield '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
     yield '<meta name="viewport" content="width=device-width, initial-scale=1">'
     name = _text(recording.name)
@@ -82,17 +82,17 @@ def page(recording: Recording) -> Iterator[str]:
     yield '<div class="facts">' + ''.join(
         f'<div class="fact"><span>{_text(label)}</span>'
         f'<b{_LONG if len(value) > MUCH else ""}>{_text(value)}</b></div>'
-        for label, value in _facts(recording, story)) + '</div>\n'
+        for label, value in _facts(recording, analysis)) + '</div>\n'
     yield '<h2>Findings</h2><ul>' + ''.join(
-        f'<li class="{level}"><b>{level}</b>{_text(text)}</li>'
-        for level, text in findings(recording, story)) + '</ul>\n'
+        f'<li class="{level.value}"><b>{level.value}</b>{_text(text)}</li>'
+        for level, text in findings(recording, analysis)) + '</ul>\n'
     with matplotlib.rc_context(_SETTINGS):
-        yield from _pictures(recording, story)
+        yield from _pictures(recording, analysis)
     yield '<footer>Made by <code>bahrs report</code>. Axes are those of the device: forward, '
     yield 'right, down.</footer></body></html>\n'
 
 
-def _pictures(recording: Recording, story: ClockStory | None) -> Iterator[str]:
+def _pictures(recording: Recording, analysis: ClockAnalysis | None) -> Iterator[str]:
     if len(recording.inertial.seconds) or len(recording.navigation.seconds):
         yield _section('Integrity', _INTEGRITY, plots.integrity_bands(recording))
         yield _section('Data rate', _FLOW, plots.flow(recording))
@@ -101,20 +101,20 @@ def _pictures(recording: Recording, story: ClockStory | None) -> Iterator[str]:
         yield _section('Height and vertical speed', _HEIGHT, plots.height(recording))
         yield _section('Accuracy', _ACCURACY, plots.accuracy(recording))
     yield '<h2>Clock</h2>'
-    yield _table(_clock_rows(recording, story))
-    if story is None:
+    yield _table(_clock_rows(recording, analysis))
+    if analysis is None:
         yield f'<p>{_NO_CLOCK}</p>'
     else:
         yield f'<p>{_text(_ARRIVALS)}</p>'
-        yield _image(plots.arrivals(story, recording.duration), 'delays')
+        yield _image(plots.arrivals(analysis, recording.duration), 'delays')
     yield from _noise(recording)
 
 
 def _noise(recording: Recording) -> Iterator[str]:
     found = noise.noise_at_rest(recording)
     if isinstance(found, float):
-        yield ('<h2>Noise at rest</h2><p>Noise can be told from motion only at rest: the device '
-               f'stood still for {found:.0f} s at the longest, and {noise.ENOUGH:.0f} s are '
+        yield ('<h2>Noise at rest</h2><p>Noise can be separated from motion only at rest: the '
+               f'longest rest of the device is {found:.0f} s, and {noise.MIN_REST:.0f} s are '
                'needed.</p>')
         return
     yield _section(f'Noise at rest, {found.seconds:.0f} s from {clock_time(found.begin)}',
@@ -135,48 +135,49 @@ def _date(seconds: float) -> str:
     return time.strftime('%Y-%m-%d %H:%M:%S UTC', time.gmtime(seconds))
 
 
-def _facts(recording: Recording, story: ClockStory | None) -> Iterator[tuple[str, str]]:
+def _facts(recording: Recording, analysis: ClockAnalysis | None) -> Iterator[tuple[str, str]]:
     software, hardware = recording.software, recording.hardware
     minutes, tenths = divmod(round(recording.duration * 10), 600)
     yield 'duration', f'{minutes} min {tenths / 10} s' if minutes else f'{tenths / 10} s'
     yield 'software', f'{software.project} {software.major}.{software.minor}' \
-        if software else 'not heard'
+        if software else 'not received'
     if hardware:
         yield 'unique number', ''.join(f'{word:08X}' for word in hardware.unique_id)
     for name, signals in (('inertial', recording.inertial), ('navigation', recording.navigation)):
         yield f'{name} messages', f'{len(signals.seconds):,}'
-    lost = sum(found.missing for found in recording.timeline.breaks)
+    lost = sum(found.missing for found in recording.time_axis.breaks)
     yield 'inertial samples lost', f'{lost:,}'
     yield 'damaged frames', f'{recording.counters.crc_failures:,}'
     yield 'accuracy messages', f"{recording.counts.get('accuracy', 0):,}"
     yield 'CRC order', recording.crc_order or 'not seen'
     if len(recording.pulses):
         yield 'sync pulses', f'{len(recording.pulses):,}'
-    if story and story.drift_ppm is not None:
-        yield 'clock drift', f'{story.drift_ppm:+.1f} ppm'
+    if analysis and analysis.drift_ppm is not None:
+        yield 'clock drift', f'{analysis.drift_ppm:+.1f} ppm'
 
 
 def _clock_rows(recording: Recording,
-                story: ClockStory | None) -> Iterator[tuple[str, list[str]]]:
-    axis = recording.timeline
+                analysis: ClockAnalysis | None) -> Iterator[tuple[str, list[str]]]:
+    axis = recording.time_axis
     ahead = {None: 'none came', 0: 'the sample just sent', 1: 'the next sample'}
     yield 'time messages name', [ahead.get(axis.label_ahead, f'{axis.label_ahead} ahead')]
     yield 'time messages used, rejected', [f'{axis.anchors:,}, {axis.rejected:,}']
     if axis.period is not None:
         yield "period of samples on the device's clock", [f'{axis.period * 1e6:.3f} µs']
-    if story is None:
+    if analysis is None:
         return
-    drift = 'too short to tell' if story.drift_ppm is None else f'{story.drift_ppm:+.2f} ppm'
-    yield "drift: the device's clock is fast by", [drift]
-    yield 'device time was 0 at', [_date(story.device_zero)]
-    yield '99 of 100 samples come less late than', [f'{story.late_99 * 1e3:.2f} ms']
-    yield 'bytes a read (median)', [f'{story.read_bytes}']
-    yield 'longest time between two reads', [f'{story.longest_pause * 1e3:.1f} ms']
-    yield "host's clock set", [f'{story.host_steps} times']
+    drift = analysis.drift_ppm
+    drift_text = 'recording too short' if drift is None else f'{drift:+.2f} ppm'
+    yield "drift: the device's clock is fast by", [drift_text]
+    yield 'device time was 0 at', [_date(analysis.device_zero)]
+    yield 'delay that 99 of 100 samples do not exceed', [f'{analysis.late_99 * 1e3:.2f} ms']
+    yield 'bytes a read (median)', [f'{analysis.read_bytes}']
+    yield 'longest time between two reads', [f'{analysis.longest_pause * 1e3:.1f} ms']
+    yield "host's clock set", [f'{analysis.host_steps} times']
 
 
 def _text(text: str) -> str:
-    """Return a text, which may come from the recording, safe to stand in HTML."""
+    """Escape a text, which may come from the recording, for HTML."""
     return escape(printable(text, LONGEST_TEXT))
 
 

@@ -1,14 +1,14 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of a recording over its time."""
+"""Draw a recording over time."""
 
 import math
 
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.report.clock import ClockStory
+from bahrs_driver.report.clock import ClockAnalysis
 from bahrs_driver.report.decimate import angle_envelope, envelope, runs
 from bahrs_driver.report.gather import Recording, Signals
-from bahrs_driver.report.timeline import Array
+from bahrs_driver.report.time_axis import Array
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -20,21 +20,21 @@ LEFT, RIGHT, TOP, BOTTOM = 1.35, 0.25, 0.3, 0.5     # inches around the panels
 COLOURS = ('#1f77b4', '#d62728', '#2ca02c')
 BANDS = {Integrity.SAFE: '#8bc98b', Integrity.INTEGRITY_RISK: '#f2b134',
          Integrity.UNAVAILABLE: '#d9534f', Integrity.RESERVED: '#7d3c98'}
-LONG = 7200             # s, from which on hours are counted
-NARROWEST_BAND = 0.002  # of the whole time: a signal lost for a moment shows, too
-MOST_BANDS = 2000       # of a signal; with more, each pixel shows the worst there was
+LONG = 7200             # s, above which times have hours
+NARROWEST_BAND = 0.002  # of the whole time: a short loss of a signal stays visible
+MOST_BANDS = 2000       # of a signal; with more, each pixel shows the worst state
 _INERTIAL = (('specific_force', 'm/s²', 1.0), ('angular_rate', '°/s', math.degrees(1)))
 _BY_BADNESS = np.array([Integrity.SAFE, Integrity.INTEGRITY_RISK, Integrity.RESERVED,
                         Integrity.UNAVAILABLE])
 
 
 def integrity_bands(recording: Recording) -> Figure:
-    """Draw what each signal was worth, and where nothing came."""
+    """Draw the integrity of each signal, and gaps without data."""
     rows = [(name, signals, index) for signals in (recording.inertial, recording.navigation)
             for index, name in enumerate(signals.names)]
     figure, (axes,) = _figure(1, 0.25 * len(rows) + TOP + BOTTOM)
-    for place, (name, signals, index) in enumerate(rows):
-        _band(axes, place, signals.seconds, signals.health[:, index])
+    for row, (name, signals, index) in enumerate(rows):
+        _band(axes, row, signals.seconds, signals.health[:, index])
     axes.set_yticks(range(len(rows)), [name.replace('_', ' ') for name, *_ in rows])
     axes.set_ylim(len(rows) - 0.45, -0.55)
     axes.grid(False)
@@ -49,7 +49,7 @@ def integrity_bands(recording: Recording) -> Figure:
 
 
 def inertial(recording: Recording) -> Figure:
-    """Draw specific force and angular rate, each component for itself."""
+    """Draw specific force and angular rate, one panel for each component."""
     figure, panels = _figure(6, 7.4)
     signals = recording.inertial
     for index, axes in enumerate(panels):
@@ -99,7 +99,7 @@ def height(recording: Recording) -> Figure:
 
 
 def accuracy(recording: Recording) -> Figure:
-    """Draw the deviations that the device itself tells of its attitude."""
+    """Draw the standard deviations that the device reports for its attitude."""
     figure, (axes,) = _figure(1, 2.6)
     signals = recording.accuracy
     # The first two are often the same: the one below is drawn broader.
@@ -114,13 +114,13 @@ def accuracy(recording: Recording) -> Figure:
     if axes.lines:
         _legend(axes)
     else:
-        _never(axes, 'the device never told an accuracy')
+        _never(axes, 'the device never sent an accuracy')
     _time_axis(axes, recording.duration)
     return figure
 
 
 def flow(recording: Recording) -> Figure:
-    """Draw how many messages came in each second, beside what a device sends."""
+    """Draw the rates of messages, and the rates at which a device sends."""
     figure, (axes,) = _figure(1, 2.3)
     for colour, signals, label, nominal in (
             (COLOURS[0], recording.inertial, 'inertial', 200),
@@ -140,18 +140,18 @@ def flow(recording: Recording) -> Figure:
     return figure
 
 
-def arrivals(story: ClockStory, duration: float) -> Figure:
-    """Draw by how much samples arrived later than the promptest, drift taken off."""
+def arrivals(analysis: ClockAnalysis, duration: float) -> Figure:
+    """Draw the delays of samples above the smallest, without drift."""
     figure, (axes,) = _figure(1, 2.6)
-    axes.plot(*envelope(story.seconds, story.delay * 1e3), color=COLOURS[0], lw=0.7)
-    axes.set_ylabel('late by [ms]')
+    axes.plot(*envelope(analysis.seconds, analysis.delay * 1e3), color=COLOURS[0], lw=0.7)
+    axes.set_ylabel('delay [ms]')
     axes.set_ylim(bottom=0.0)
     _time_axis(axes, duration)
     return figure
 
 
 def _figure(rows: int, tall: float) -> tuple[Figure, list[Axes]]:
-    """Return panels below each other; all figures have the time at the same places."""
+    """Return panels below each other, with the same time axis in all figures."""
     figure = Figure(figsize=(WIDTH, tall))
     axes = figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
     figure.subplots_adjust(left=LEFT / WIDTH, right=1 - RIGHT / WIDTH, top=1 - TOP / tall,
@@ -215,24 +215,24 @@ def _steps(edges: Array, values: Array, width: float) -> tuple[Array, Array]:
     return np.repeat(np.append(edges, edges[-1:] + width), 2)[1:-1], np.repeat(values, 2)
 
 
-def _band(axes: Axes, place: int, seconds: Array, states: Array) -> None:
-    """Draw one signal: a bar for each state, white where nothing came."""
+def _band(axes: Axes, row: int, seconds: Array, states: Array) -> None:
+    """Draw one signal: a bar for each interval of a state, white for gaps."""
     if not len(seconds):
         return
     if 1 + np.count_nonzero(np.diff(states)) > MOST_BANDS:
         seconds, states = _worst(seconds, states)
     gaps = np.flatnonzero(np.diff(seconds) > max(0.5, 0.002 * seconds[-1])) + 1
-    pieces = [stretch for piece, held in zip(np.split(seconds, gaps), np.split(states, gaps))
-              for stretch in runs(piece, held)]
-    for state in BANDS:             # safe first: what is not safe is drawn over it
+    pieces = [interval for piece, held in zip(np.split(seconds, gaps), np.split(states, gaps))
+              for interval in runs(piece, held)]
+    for state in BANDS:             # safe first: the other states are drawn over it
         narrowest = 0.0 if state is Integrity.SAFE else NARROWEST_BAND * float(seconds[-1])
         bars = [(begin, max(end - begin, narrowest)) for begin, end, held in pieces
                 if held == state]
-        axes.broken_barh(bars, (place - 0.4, 0.8), facecolors=BANDS[state], linewidth=0)
+        axes.broken_barh(bars, (row - 0.4, 0.8), facecolors=BANDS[state], linewidth=0)
 
 
 def _worst(seconds: Array, states: Array) -> tuple[Array, Array]:
-    """Return fewer points, each with the worst state of its stretch."""
+    """Return fewer points, each with the worst state of its bucket."""
     starts = np.linspace(0, len(seconds), MOST_BANDS, endpoint=False).astype(np.int64)
     worst = np.maximum.reduceat(np.argsort(_BY_BADNESS)[states], starts)
     return seconds[starts], _BY_BADNESS[worst]

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""When a device stood still."""
+"""Find when a device was at rest."""
 
 from typing import NamedTuple
 
-from bahrs_driver.report.timeline import Array
+from bahrs_driver.report.time_axis import Array
 import numpy as np
 
 WINDOW = 1.0                    # s
@@ -14,7 +14,7 @@ TURN_OF_FORCE = 0.1             # m/s^2, by which the mean may differ from the w
 
 
 class Rest(NamedTuple):
-    """The longest stretch without a motion: samples from begin to end."""
+    """The longest interval without motion: samples from begin to end."""
 
     begin: int
     end: int
@@ -22,7 +22,7 @@ class Rest(NamedTuple):
 
 def longest_rest(seconds: Array, force: Array, rate: Array) -> Rest:
     """
-    Return when a device stood still for longest, without a gap in the samples.
+    Return the longest rest of a device without a gap in the samples.
 
     force (m/s^2) and rate (rad/s) are (n, 3), NaN where not available; begin is end if never.
     """

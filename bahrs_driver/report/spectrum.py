@@ -1,27 +1,27 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Spectral density of evenly spaced samples, and the strongest line in it.
+Compute the spectral density of evenly spaced samples, and find the strongest line in it.
 
-A line at half the sample rate says nothing: a vibration of any odd multiple of it, and noise that
-alternates from sample to sample, look alike. It is kept out of the search, with the frequencies
-that the window smears it over, and reported for itself. Every other line may be an alias.
+A line at half the sample rate is ambiguous: a vibration of any odd multiple of it looks like noise
+that alternates from sample to sample. It is excluded from the search, with the frequencies over
+which the window smears it, and reported separately. Every other line may be an alias.
 """
 
 from typing import NamedTuple
 
-from bahrs_driver.report.timeline import Array
+from bahrs_driver.report.time_axis import Array
 from matplotlib.mlab import psd
 import numpy as np
 
 WELCH = 4096                # samples of each piece of a spectrum
-LINE = 3.0                  # times the median density, above which it is no noise
+LINE = 3.0                  # times the median density, above which it is not noise
 LOWEST_LINE = 1.0           # Hz
 SMEAR = 3                   # frequencies on either side that a Hann window spreads a line over
 
 
 class Lines(NamedTuple):
-    """Where a spectrum stands out."""
+    """The lines of a spectrum."""
 
     strongest: float | None         # Hz, below half the sample rate; None without a line
     at_half_rate: bool
@@ -35,7 +35,7 @@ def density(values: Array, period: float) -> tuple[Array, Array]:
 
 
 def lines(values: Array, period: float) -> Lines:
-    """Find the strongest line, and whether there is one at half the sample rate."""
+    """Find the strongest line, and whether there is a line at half the sample rate."""
     frequency, found = density(values, period)
     inside = frequency > LOWEST_LINE
     limit = LINE * np.median(found[inside])

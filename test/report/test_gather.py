@@ -6,9 +6,10 @@ from bahrs_driver.bag.read_capture import read_capture
 from bahrs_driver.emulator.noise import Noise
 from bahrs_driver.protocol.bahrs.messages import Inertial
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.report.clock import clock_story
+from bahrs_driver.report.clock import analyze_clock
 from bahrs_driver.report.findings import ERROR, findings, GOOD, NOTICE, WARNING
 from bahrs_driver.report.gather import gather
+from bahrs_driver.report.time_axis import BreakKind
 from bahrs_driver.virtual_serial.cable import adapter_mode
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from support.shared_files import shared_file
 
 def said(recording, level=None):
     """Return what is said about a recording, one sentence a line."""
-    return '\n'.join(text for each, text in findings(recording, clock_story(recording))
+    return '\n'.join(text for each, text in findings(recording, analyze_clock(recording))
                      if level in (None, each))
 
 
@@ -47,7 +48,7 @@ def test_a_good_recording():
 def test_without_times_of_reads():
     """The clocks are not compared."""
     recording = recorded(timed=False)
-    assert recording.reads is None and clock_story(recording) is None
+    assert recording.reads is None and analyze_clock(recording) is None
     assert recording.duration > 9.0
 
 
@@ -55,9 +56,9 @@ def test_without_times_of_reads():
 def test_the_drift_of_the_clock(drift):
     """It is that which the emulator was given."""
     recording = recorded(make_emulation(make_device(drift_ppm=drift)), seconds=40.0)
-    story = clock_story(recording)
-    assert story.drift_ppm == pytest.approx(drift, abs=5.0)
-    assert 0.0 <= story.delay.min() and story.late_99 < 0.008
+    analysis = analyze_clock(recording)
+    assert analysis.drift_ppm == pytest.approx(drift, abs=5.0)
+    assert 0.0 <= analysis.delay.min() and analysis.late_99 < 0.008
     assert ('drifts' in said(recording, WARNING)) == (abs(drift) > 100)
 
 
@@ -65,7 +66,7 @@ def test_an_adapter_that_holds_bytes_back():
     """It is told from the sizes of reads, and from when samples come."""
     recording = recorded(make_emulation(mode=adapter_mode('40')), every=0.002, seconds=20.0)
     text = said(recording, NOTICE)
-    assert 'a latency timer of 1 ms' in text and 'One of 100 samples comes more than' in text
+    assert 'timer of 1 ms' in text and 'One of 100 samples arrives more than' in text
 
 
 def test_a_host_clock_that_was_set():
@@ -76,8 +77,8 @@ def test_a_host_clock_that_was_set():
                 late = chunk.read_at > 1_700_000_015_000_000_000
                 yield chunk._replace(read_at=chunk.read_at + 5_000_000_000 * late)
 
-    story = clock_story(gather(Stepped(make_emulation(), 30.0)))
-    assert story.host_steps == 1 and story.late_99 < 0.02
+    analysis = analyze_clock(gather(Stepped(make_emulation(), 30.0)))
+    assert analysis.host_steps == 1 and analysis.late_99 < 0.02
 
 
 def test_a_host_that_stalled():
@@ -91,9 +92,10 @@ def test_a_host_that_stalled():
                     yield chunk._replace(data=held, raw_at=at - 10 ** 18)
                     held = b''
 
-    story = clock_story(gather(Stalled(make_emulation(make_device(drift_ppm=40.0)), 30.0)))
-    assert story.host_steps == 0 and story.drift_ppm == pytest.approx(40.0, abs=5.0)
-    assert 1.4 < story.longest_pause < 1.6 and story.delay.max() == pytest.approx(1.5, abs=0.02)
+    analysis = analyze_clock(gather(Stalled(make_emulation(make_device(drift_ppm=40.0)), 30.0)))
+    assert analysis.host_steps == 0 and analysis.drift_ppm == pytest.approx(40.0, abs=5.0)
+    assert 1.4 < analysis.longest_pause < 1.6
+    assert analysis.delay.max() == pytest.approx(1.5, abs=0.02)
 
 
 def test_a_host_clock_that_was_set_beside_one_that_nobody_sets():
@@ -105,8 +107,8 @@ def test_a_host_clock_that_was_set_beside_one_that_nobody_sets():
                 yield chunk._replace(read_at=chunk.read_at - 2_000_000 * late,
                                      raw_at=chunk.read_at - 10 ** 18)
 
-    story = clock_story(gather(Stepped(make_emulation(), 30.0)))
-    assert story.host_steps == 1 and story.late_99 < 0.02
+    analysis = analyze_clock(gather(Stepped(make_emulation(), 30.0)))
+    assert analysis.host_steps == 1 and analysis.late_99 < 0.02
 
 
 def test_losses_and_damage():
@@ -117,7 +119,7 @@ def test_losses_and_damage():
     text = said(recording, WARNING)
     assert 'damaged frames' in text and 'inertial samples are missing' in text
     whole = int(recording.inertial.seconds[-1] / 0.005 + 0.5) + 1
-    lost = sum(each.missing for each in recording.timeline.breaks)
+    lost = sum(each.missing for each in recording.time_axis.breaks)
     assert lost == whole - len(recording.inertial.seconds)
 
 
@@ -143,14 +145,14 @@ def test_integrity_in_words():
     emulation.advance = advance_as_planned
     recording = gather(made)
     assert 'Specific force: unavailable for 3.00 s from 0:04.4.' in said(recording, WARNING)
-    assert 'Roll: at integrity risk for 0.50 s from 0:09.4.' in said(recording, NOTICE)
+    assert 'Roll: integrity risk for 0.50 s from 0:09.4.' in said(recording, NOTICE)
     assert recording.inertial.names == Inertial.SIGNALS
 
 
 def test_saturation():
-    """What is at the end of its range is told."""
+    """What is at the limit of its range is told."""
     loud = Noise(1, {'angular_rate': 3.0}, {'angular_rate': (5.0, 0.0, 0.0)})
-    assert 'The angular rate is at the end of its range' in said(
+    assert 'The angular rate is at the limit of its range' in said(
         recorded(make_emulation(make_device(noise=loud))), WARNING)
 
 
@@ -168,8 +170,8 @@ def test_a_restart():
     emulation.advance = advance_with_restart
     recording = recorded(emulation, seconds=20.0)
     assert 'The device restarted before 0:' in said(recording, WARNING)
-    assert [each.kind for each in recording.timeline.breaks] == ['restarted']
-    assert np.all(np.diff(recording.timeline.seconds) > 0)
+    assert [each.kind for each in recording.time_axis.breaks] == [BreakKind.RESTARTED]
+    assert np.all(np.diff(recording.time_axis.seconds) > 0)
 
 
 def test_the_real_recording():
@@ -179,4 +181,4 @@ def test_the_real_recording():
     assert 'Magnetic heading: unavailable throughout.' in said(recording, WARNING)
     assert 'nothing for 2.7 s' in said(recording, NOTICE)
     assert 'No inertial sample is missing.' in said(recording, GOOD)
-    assert recording.navigation_label == recording.timeline.label_ahead == 1
+    assert recording.navigation_label == recording.time_axis.label_ahead == 1

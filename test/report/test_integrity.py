@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.report.finding import clock_time, GOOD, NOTICE, WARNING
 from bahrs_driver.report.gather import Signals
-from bahrs_driver.report.integrity import GAP, integrity_findings, stretches
+from bahrs_driver.report.integrity import find_intervals, GAP, integrity_findings
 from hypothesis import given, strategies as st
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def unavailable(count, *parts):
     ([(500, 800)], WARNING, 'unavailable for 3.00 s from 0:05.0'),
     ([(0, 20_000)], WARNING, 'unavailable throughout'),
     ([(0, 8), *((begin, begin + 5) for begin in range(1000, 9000, 1000)), (12_000, 18_000)],
-     WARNING, 'unavailable for the first 0.08 s, later for 60.40 s in 9 stretches from 0:10.0 to '
+     WARNING, 'unavailable for the first 0.08 s, later for 60.40 s in 9 intervals from 0:10.0 to '
               '3:00.0, the longest 60.00 s from 2:00.0'),
     ([(19_999, 20_000)], NOTICE, 'unavailable for 0.01 s from 3:20.0'),
 ])
@@ -55,14 +55,14 @@ def test_signals_that_were_unsafe_together():
     health[2000:2010, 1] = Integrity.INTEGRITY_RISK
     assert [text for _, text in said(health)] == [
         'Pressure height and roll: unavailable for 5.00 s from 0:10.0.',
-        'Roll: at integrity risk for 0.10 s from 0:20.0.']
+        'Roll: integrity risk for 0.10 s from 0:20.0.']
 
 
 def test_a_pause_ends_a_stretch():
     """Nothing is known of a signal while nothing comes."""
     seconds = PERIOD * np.arange(1000)
     seconds[600:] += 30.0
-    found = stretches(seconds, np.isin(np.arange(1000), range(500, 700)))
+    found = find_intervals(seconds, np.isin(np.arange(1000), range(500, 700)))
     assert [(round(begin, 6), round(length, 6)) for begin, length in found] == [
         (5.0, 1.0), (36.0, 1.0)]
 
@@ -86,7 +86,7 @@ def test_no_stretch_is_hidden(lengths, first, pauses):
     seconds = np.cumsum(steps) - steps[0]
     health = np.where(held, Integrity.UNAVAILABLE, Integrity.SAFE)[:, None]
     text = ''.join(text for _, text in said(health, seconds, ('roll',)))
-    found = stretches(seconds, held)
+    found = find_intervals(seconds, held)
     assert sum(each.seconds for each in found) == pytest.approx(
         held.sum() * float(np.median(np.diff(seconds))) if len(held) > 1 else 0.0, abs=0.1)
     if not found or held.all():

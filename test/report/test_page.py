@@ -86,8 +86,8 @@ def test_a_flight_has_no_noise_at_rest():
     made = Outline(''.join(page(recorded(make_emulation(make_device(SteadyTurn())), 5.0,
                                          timed=False))))
     assert made.headings[-1] == 'Noise at rest'
-    assert 'stood still for 0 s at the longest, and 60 s are needed' in made.text
-    assert 'nothing can be said of offset, drift and delays' in made.text
+    assert 'the longest rest of the device is 0 s, and 60 s are needed' in made.text
+    assert 'so offset, drift and delays are unknown' in made.text
 
 
 def test_noise_of_the_real_recording():

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the axis of time: samples lost, pauses, restarts and messages that are wrong."""
 
-from bahrs_driver.report.timeline import timeline
+from bahrs_driver.report.time_axis import BreakKind, make_time_axis
 import numpy as np
 import pytest
 
@@ -13,7 +13,7 @@ PERIOD = 0.005
 
 def made(device_seconds, counts=None, label=1, every=20):
     """
-    Return the timeline of samples with these device times.
+    Return the time axis of samples with these device times.
 
     counts are those of the device, which go on where samples are lost; a time message follows
     every so many samples.
@@ -25,7 +25,7 @@ def made(device_seconds, counts=None, label=1, every=20):
     times = np.array([(offset[i] + 50, 0, (counts[i] + label) % 256,
                        round(device_seconds[i] * 1e6) + 1_000_000)
                       for i in range(0, len(counts), every)], TIMES)
-    return timeline(offset, (np.asarray(counts) % 256).astype(np.uint8), times)
+    return make_time_axis(offset, (np.asarray(counts) % 256).astype(np.uint8), times)
 
 
 def regular(seconds=10.0):
@@ -52,7 +52,7 @@ def test_samples_lost(missing):
     unsure = 20 if missing % 256 == 0 else 0
     assert np.count_nonzero(abs(found.seconds - device) > 1e-6) <= unsure
     (gap,) = found.breaks
-    assert (gap.kind, gap.missing) == ('lost', missing)
+    assert (gap.kind, gap.missing) == (BreakKind.LOST, missing)
     assert abs(gap.index - 1003) <= unsure
 
 
@@ -64,7 +64,7 @@ def test_a_pause():
     found = made(device, counts)
     assert found.seconds == pytest.approx(device)
     (pause,) = found.breaks
-    assert (pause.kind, pause.index) == ('paused', 20)
+    assert (pause.kind, pause.index) == (BreakKind.PAUSED, 20)
     assert pause.seconds == pytest.approx(2.705)
 
 
@@ -73,7 +73,7 @@ def test_a_restart():
     first, second = regular(5.0), regular(3.0)
     counts = np.concatenate([np.arange(len(first)), np.arange(len(second))])
     found = made(np.concatenate([first, second]), counts)
-    assert [each.kind for each in found.breaks] == ['restarted']
+    assert [each.kind for each in found.breaks] == [BreakKind.RESTARTED]
     assert np.all(np.diff(found.seconds) > 0)
     assert found.seconds[-1] == pytest.approx(first[-1] + 1.0 + second[-1], abs=1e-6)
     assert found.device_us[len(first)] == pytest.approx(1e6)
@@ -85,19 +85,19 @@ def test_a_time_message_that_is_wrong():
     times = np.array([(offset[i] + 50, 0, (i + 1) % 256, 5000 * i)
                       for i in range(20, 2000, 20)], TIMES)
     times['device_time_us'][19] += 77_000_000
-    found = timeline(offset, (np.arange(2000) % 256).astype(np.uint8), times)
+    found = make_time_axis(offset, (np.arange(2000) % 256).astype(np.uint8), times)
     assert (found.rejected, found.breaks) == (1, [])
     assert found.seconds == pytest.approx(PERIOD * np.arange(2000))
 
 
 def test_without_time_messages():
     """Samples are a nominal period apart."""
-    found = timeline(np.arange(10), np.arange(10).astype(np.uint8), np.empty(0, TIMES))
+    found = make_time_axis(np.arange(10), np.arange(10).astype(np.uint8), np.empty(0, TIMES))
     assert found.seconds == pytest.approx(PERIOD * np.arange(10))
     assert found.label_ahead is None and np.isnan(found.device_us).all()
 
 
 def test_nothing():
     """There is nothing to tell."""
-    found = timeline(np.empty(0, int), np.empty(0, np.uint8), np.empty(0, TIMES))
+    found = make_time_axis(np.empty(0, int), np.empty(0, np.uint8), np.empty(0, TIMES))
     assert len(found.seconds) == 0 and found.breaks == []

@@ -1,14 +1,15 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-All inertial samples of a recording on one axis of time, from their counters and the time messages.
+Compute the times of all inertial samples of a recording, from counters and time messages.
 
-Time messages are anchors: they give the device time of one sample, and samples between two are
-counted. Where two anchors do not fit the count between them something happened: samples were
-lost by whole turns of the counter, the device paused, or it was switched on anew.
+Time messages are anchors: they give the device time of one sample, and the samples in between are
+counted. If two anchors contradict the count, samples were lost by whole turns of the counter, the
+device paused, or it restarted.
 """
 
 from dataclasses import dataclass
+from enum import Enum
 from typing import Any
 
 from bahrs_driver.units import COUNTER_MODULUS, S_PER_US
@@ -19,22 +20,30 @@ Array = NDArray[Any]
 
 PERIOD = 0.005              # s, nominal
 TOLERANCE = 0.5             # of a period, by which an anchor may be off
-UNKNOWN_PAUSE = 1.0         # s that stand for the time that a device was off, if nothing tells
+UNKNOWN_PAUSE = 1.0         # s assumed for the unknown time for which a device was off
+
+
+class BreakKind(Enum):
+    """Why samples are not consecutive."""
+
+    LOST = 'lost'
+    PAUSED = 'paused'
+    RESTARTED = 'restarted'
 
 
 @dataclass(frozen=True)
 class Break:
-    """Where samples do not follow on each other."""
+    """A place where samples are not consecutive."""
 
     index: int              # of the first sample after it
-    kind: str               # 'lost', 'paused' or 'restarted'
+    kind: BreakKind
     missing: int            # samples lost, by the counters; 0 for other kinds
-    seconds: float          # how long it took; an assumption for a restart
+    seconds: float          # duration; an assumption for a restart
 
 
 @dataclass(frozen=True)
-class Timeline:
-    """When the samples were measured."""
+class TimeAxis:
+    """The times of the samples."""
 
     seconds: Array          # of each inertial sample, since the first, on the device's clock
     device_us: Array        # device time of each, NaN where there is none
@@ -42,17 +51,17 @@ class Timeline:
     period: float | None            # s from one sample to the next on the device's clock
     breaks: list[Break]
     anchors: int                    # time messages that were used
-    rejected: int                   # and that contradicted all others
+    rejected: int                   # time messages that contradicted the others
 
 
-def timeline(offset: Array, sequence: Array, times: Array) -> Timeline:
+def make_time_axis(offset: Array, sequence: Array, times: Array) -> TimeAxis:
     """
-    Return when samples were measured.
+    Return the times of samples.
 
     offset and sequence are those of the inertial messages, times the inertial time messages.
     """
     if not len(offset):
-        return Timeline(np.empty(0), np.empty(0), None, None, [], 0, 0)
+        return TimeAxis(np.empty(0), np.empty(0), None, None, [], 0, 0)
     steps = np.diff(sequence.astype(np.int64)) % COUNTER_MODULUS
     counts = np.concatenate(([0], np.cumsum(steps)))
     latest, counted, device, ahead = _anchors(offset, sequence, counts, times)
@@ -67,7 +76,7 @@ def timeline(offset: Array, sequence: Array, times: Array) -> Timeline:
 
 def _anchors(offset: Array, sequence: Array, counts: Array,
              times: Array) -> tuple[Array, Array, Array, int | None]:
-    """Return for each time message the latest sample, the count it is about, and its time in s."""
+    """Return for each time message the latest sample, its reference count and its time in s."""
     times = times[(times['reference_sequence'] != 0) | (times['device_time_us'] != 0)]
     latest = np.searchsorted(offset, times['offset']) - 1
     times, latest = times[latest >= 0], latest[latest >= 0]
@@ -92,7 +101,7 @@ def _period(counted: Array, device: Array) -> float:
 
 
 def _consistent(counted: Array, device: Array, period: float) -> Array:
-    """Return which anchors are not contradicted by both of their neighbours, which agree."""
+    """Return which anchors are consistent with a neighbour, or lack two that agree."""
     keep = np.ones(len(counted), bool)
     if len(counted) < 3:
         return keep
@@ -105,7 +114,7 @@ def _consistent(counted: Array, device: Array, period: float) -> Array:
 
 def _jumps(steps: Array, latest: Array, counted: Array, device: Array,
            period: float) -> tuple[Array, list[Break]]:
-    """Return by how many seconds more than counted each sample is from the one before."""
+    """Return the seconds before each sample that its count does not explain, and the breaks."""
     extra = np.zeros(len(steps) + 1)
     breaks = []
     lines = np.diff(device - counted * period)
@@ -117,24 +126,25 @@ def _jumps(steps: Array, latest: Array, counted: Array, device: Array,
         turns, rest = divmod(excess / period + TOLERANCE, COUNTER_MODULUS)
         if device[where + 1] < device[where]:
             seconds = UNKNOWN_PAUSE
-            breaks.append(Break(index, 'restarted', 0, seconds))
+            breaks.append(Break(index, BreakKind.RESTARTED, 0, seconds))
             extra[index] = seconds - steps[index - 1] * period
         elif turns > 0 and rest < 2 * TOLERANCE:
             missing = int(turns) * COUNTER_MODULUS + int(steps[index - 1]) - 1
-            breaks.append(Break(index, 'lost', missing, (missing + 1) * period))
+            breaks.append(Break(index, BreakKind.LOST, missing, (missing + 1) * period))
             extra[index] = excess
         else:
             seconds = excess + float(steps[index - 1]) * period
-            breaks.append(Break(index, 'paused', 0, seconds))
+            breaks.append(Break(index, BreakKind.PAUSED, 0, seconds))
             extra[index] = excess
     return extra, breaks
 
 
 def _assemble(counts: Array, steps: Array, latest: Array, counted: Array, device: Array,
               ahead: int | None, period: float, extra: Array, breaks: list[Break],
-              rejected: int) -> Timeline:
+              rejected: int) -> TimeAxis:
     jumped = {found.index for found in breaks}
-    lost = [Break(int(index) + 1, 'lost', int(steps[index]) - 1, float(steps[index]) * period)
+    lost = [Break(int(index) + 1, BreakKind.LOST, int(steps[index]) - 1,
+                  float(steps[index]) * period)
             for index in np.flatnonzero(steps > 1) if int(index) + 1 not in jumped]
     seconds = counts * period + np.cumsum(extra)
     device_us = np.full(len(counts), np.nan)
@@ -142,12 +152,12 @@ def _assemble(counts: Array, steps: Array, latest: Array, counted: Array, device
     for low, high in zip(edges, edges[1:]):
         mine = (latest >= low) & (latest < high)
         if mine.any():
-            # Between anchors as they say, outside by the period.
+            # Interpolated between anchors, extrapolated by the period outside.
             here, anchors = counts[low:high], counted[mine]
             line = np.interp(here, anchors, device[mine] - anchors * period)
             true = line + here * period
             device_us[low:high] = true / S_PER_US
             seconds[low:high] = seconds[low] + true - true[0]
-    return Timeline(seconds - seconds[0], device_us, ahead,
+    return TimeAxis(seconds - seconds[0], device_us, ahead,
                     period if len(counted) > 1 else None,
                     sorted(breaks + lost, key=lambda found: found.index), len(counted), rejected)
