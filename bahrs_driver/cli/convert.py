@@ -20,8 +20,8 @@ from bahrs_driver.devices.registry import DEFAULT, DEVICES
 from bahrs_driver.errors import CaptureError, CommandError, ParameterError, WriteError
 from bahrs_driver.files.new_directory import new_directory
 from bahrs_driver.process.printable import printable
-from bahrs_driver.reprocess.conversion import Conversion, Outcome
-from bahrs_driver.reprocess.outputs import BagOutput, CsvOutput
+from bahrs_driver.reprocess.conversion import Conversion, ConversionResult
+from bahrs_driver.reprocess.topic_writers import BagTopicWriter, CsvTopicWriter
 from bahrs_driver.units import NS_PER_S
 from rich.progress import TaskID
 
@@ -78,13 +78,13 @@ def run(options: argparse.Namespace) -> int:
         conversion = Conversion(capture, settings, DEVICES[name], options.start)
         with new_directory(options.output) as folder:
             with _shown_as(options.output, folder):
-                outcome = _convert(options, conversion, capture, folder)
-            if not outcome.frames:
+                result = _convert(options, conversion, capture, folder)
+            if not result.frames:
                 raise CommandError(f'no frame of a {name} in {options.input}')
     except (CaptureError, ParameterError, WriteError) as error:
         raise CommandError(str(error)) from error
     _report(options, [*unused_options(options, capture.timed), *notes, *capture.notes,
-                      *conversion.notices, *outcome.clock_steps], outcome)
+                      *conversion.notices, *result.clock_steps], result)
     return 0
 
 
@@ -106,10 +106,10 @@ def _refuse_pipe(name: str) -> None:
 
 
 def _convert(options: argparse.Namespace, conversion: Conversion, capture: Capture,
-             folder: Path) -> Outcome:
-    output: CsvOutput | BagOutput = CsvOutput(folder) if options.kind == 'csv' else \
-        BagOutput(folder, folder.name, options.namespace)
-    with contextlib.closing(output), progress_bar() as bar:
+             folder: Path) -> ConversionResult:
+    writer: CsvTopicWriter | BagTopicWriter = CsvTopicWriter(folder) \
+        if options.kind == 'csv' else BagTopicWriter(folder, folder.name, options.namespace)
+    with contextlib.closing(writer), progress_bar() as bar:
         tasks: dict[str, TaskID] = {}
 
         def progress(what: str) -> None:
@@ -117,18 +117,18 @@ def _convert(options: argparse.Namespace, conversion: Conversion, capture: Captu
                 tasks[what] = bar.add_task(what, total=capture.size)
             bar.update(tasks[what], completed=capture.done)
 
-        return conversion.run(output, progress)
+        return conversion.run(writer, progress)
 
 
-def _report(options: argparse.Namespace, notes: list[str], outcome: Outcome) -> None:
+def _report(options: argparse.Namespace, notes: list[str], result: ConversionResult) -> None:
     for note in notes:
         print(f'bahrs convert: {note}', file=sys.stderr)
-    seconds = (outcome.last_ns - outcome.first_ns) / NS_PER_S
+    seconds = (result.last_ns - result.first_ns) / NS_PER_S
     if options.json:
-        print(json.dumps({**outcome._asdict(), 'output': options.output, 'notes': notes}))
+        print(json.dumps({**result._asdict(), 'output': options.output, 'notes': notes}))
     else:
-        print(f'{outcome.frames:,} frames, {outcome.skipped_bytes:,} stray bytes: '
-              f'{outcome.messages:,} messages of {seconds:,.1f} s in '
+        print(f'{result.frames:,} frames, {result.skipped_bytes:,} stray bytes: '
+              f'{result.messages:,} messages of {seconds:,.1f} s in '
               f'{printable(options.output)}')
 
 

@@ -1,9 +1,9 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The diagnostics of a flight, generated again at the flight's own times.
+Regenerate the diagnostics of a capture at the times of its reads.
 
-All tasks are there but *Link*: what is recorded of a port is its bytes, not the port.
+The task *Link* is missing, because a capture has the bytes of a port and not its state.
 """
 
 from collections.abc import Iterator, Sequence
@@ -25,15 +25,15 @@ from diagnostic_msgs.msg import DiagnosticArray
 
 TOPIC = '/diagnostics'
 PERIOD = NS_PER_S
-LONGEST_SILENCE = 60 * NS_PER_S         # that is told of every second
+LONGEST_SILENCE = 60 * NS_PER_S         # with a report every PERIOD
 
 
-class FlightHealth:
-    """Watches a capture being played. Times are log times in ns, stamps are ROS time."""
+class ReplayDiagnostics:
+    """Runs diagnostic tasks over a capture. Times are log times in ns, stamps are ROS time."""
 
     def __init__(self, spec: AnyDevice, parts: Parts, clock: Clock,
                  counters: PipelineCounters, settings: CommonSettings) -> None:
-        self.counts = dict.fromkeys(spec.topics(), 0)       # messages made, by topic
+        self.counts = dict.fromkeys(spec.topics(), 0)       # of messages, by topic
         self._health = parts.health
         self._time_task = TimeTask(clock, parts.health.stale)
         self._now = self._due = self._offset = 0
@@ -46,8 +46,8 @@ class FlightHealth:
              self._time_task, *parts.health.tasks, self._publishing_task],
             'bahrs_driver', spec.name, lambda: self._now / NS_PER_S)
 
-    def before(self, now: int) -> Iterator[tuple[int, DiagnosticArray]]:
-        """Return the reports that were due before a moment, each with its time."""
+    def reports_before(self, now: int) -> Iterator[tuple[int, DiagnosticArray]]:
+        """Yield the reports that were due before a time, each with its own time."""
         if self._opening is None:
             self._due = now
         end = min(now, self._due + LONGEST_SILENCE)
@@ -55,9 +55,9 @@ class FlightHealth:
             yield self._report(self._due)
         self._due = max(self._due, now)
 
-    def after(self, chunk: Chunk, moment: Moment,
-              events: Sequence[Event]) -> Iterator[tuple[int, DiagnosticArray]]:
-        """Take a chunk and what it completed, and return a report if one is due."""
+    def update(self, chunk: Chunk, moment: Moment,
+               events: Sequence[Event]) -> Iterator[tuple[int, DiagnosticArray]]:
+        """Update the tasks with a chunk and its events; yield a report if one is due."""
         self._now, self._offset = moment.log_ns, moment.offset
         seconds = self._now / NS_PER_S
         if chunk.opening != self._opening:

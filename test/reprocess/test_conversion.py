@@ -15,7 +15,9 @@ from bahrs_driver.protocol.bahrs.frames import BahrsCodec
 from bahrs_driver.protocol.bahrs.messages import InertialTime, NvmPage
 from bahrs_driver.protocol.bahrs.nvm_session import PAGE_SIZE
 from bahrs_driver.protocol.titan_m.messages import StateRequest
+from bahrs_driver.reprocess import log_order
 from bahrs_driver.reprocess.conversion import Conversion
+from bahrs_driver.reprocess.log_order import LogOrder
 import pytest
 from support.conversions import converted, flight, Kept, ORIGIN, Pieces, S, stamps
 from support.emulated import decoded, emissions, make_device
@@ -218,11 +220,18 @@ def test_answers_of_which_the_requests_are_not_known(tmp_path):
 
 def test_a_capture_whose_time_stands_still_is_converted_in_little_memory(tmp_path, monkeypatch):
     """What is held until it is in order is limited in number, too; nothing of it is lost."""
-    monkeypatch.setattr('bahrs_driver.reprocess.conversion.MOST_HELD', 200)
+    write_until, held = LogOrder.write_until, []
+
+    def recorded(order, now):
+        write_until(order, now)
+        held.append(len(order._heap))
+
+    monkeypatch.setattr(log_order, 'MOST_HELD', 200)
+    monkeypatch.setattr(LogOrder, 'write_until', recorded)
     chunks = [chunk._replace(read_at=ORIGIN, raw_at=5 * S) for chunk in flight(4.0)[0]]
     conversion = Conversion(Pieces(chunks, tmp_path), settings_of(), DEVICES['bahrs'])
-    kept, held = Kept(), []
-    conversion.run(kept, lambda what: held.append(len(conversion._heap)))
-    assert max(held) <= 200
+    kept = Kept()
+    conversion.run(kept, lambda what: None)
+    assert max(held) == 200
     assert len(kept.messages['raw']) == len(chunks)
     assert len(kept.times) > 1500 and kept.times == sorted(kept.times)

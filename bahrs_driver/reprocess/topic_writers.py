@@ -1,50 +1,60 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a conversion can be written into: a bag, or a file of comma-separated values a topic."""
+"""Write topics into a bag, or into one file of comma-separated values for each."""
 
 from collections.abc import Iterator, Mapping
 import csv
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from bahrs_driver.bag.bag_output import BagWriter, make_directory
 from bahrs_driver.bag.serialization import serialized, type_name
 from bahrs_driver.bag.topics import profile, Topic
 from bahrs_driver.files.live_file import LiveFile
 
-QUEUE_DEPTH = 100               # as the node offers
+QUEUE_DEPTH = 100               # of the node's publishers
 
 
-class BagOutput:
-    """A rosbag2 directory. Topics are in a namespace."""
+class TopicWriter(Protocol):
+    """Stores messages, which come in the order of their times."""
+
+    def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
+        """Prepare all topics; a late subscriber gets the last message of those in latched."""
+
+    def write(self, topic: str, time_ns: int, message: object) -> None:
+        """Store a message with its log time."""
+
+
+class BagTopicWriter:
+    """Writes a rosbag2 directory. Relative names of topics are in a namespace."""
 
     def __init__(self, folder: Path, name: str, namespace: str = '') -> None:
-        """Make a bag whose files are called by a name; WriteError if it cannot be made."""
+        """Make a bag whose files have a name; WriteError if that is not possible."""
         self._bag = BagWriter(folder, name)
         self._prefix = f"/{namespace.strip('/')}/" if namespace.strip('/') else '/'
 
     def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
-        """Take all topics, and those of which late joiners get the last message."""
+        """Write names, types and quality of service of all topics."""
         self._bag.add_topics(Topic(self._name(topic), type_name(kind), (profile(
             'keep_last', 1, 'reliable', 'transient_local') if topic in latched else profile(
                 'keep_last', QUEUE_DEPTH, 'reliable', 'volatile'),))
             for topic, kind in topics.items())
 
     def write(self, topic: str, time_ns: int, message: object) -> None:
-        """Take a message and its ROS time."""
+        """Store a message with its log time."""
         self._bag.write(self._name(topic), time_ns, serialized(message))
 
     def _name(self, topic: str) -> str:
         return topic if topic.startswith('/') else self._prefix + topic
 
     def close(self) -> None:
-        """End the bag."""
+        """Complete the bag."""
         self._bag.close()
 
 
-class CsvOutput:
-    """A directory with a file for each topic; columns are the fields, times are in ns."""
+class CsvTopicWriter:
+    """Writes a directory with a file for each topic; columns are fields, times are in ns."""
 
     def __init__(self, folder: Path) -> None:
         """Make the directory; WriteError if it exists or cannot be made."""
@@ -53,8 +63,8 @@ class CsvOutput:
         self._writers: dict[str, Any] = {}
         make_directory(folder)
 
-    def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
-        """Make the file of each topic, with its heading; WriteError if that is not possible."""
+    def begin(self, topics: Mapping[str, type], _latched: set[str]) -> None:
+        """Make the file of each topic with its head; WriteError if that is not possible."""
         for topic, kind in topics.items():
             path = self._folder / f"{topic.strip('/').replace('/', '_')}.csv"
             file = LiveFile(path)
@@ -63,11 +73,11 @@ class CsvOutput:
             self._writers[topic].writerow(['time_ns', *(name for name, _ in _flat('', kind()))])
 
     def write(self, topic: str, time_ns: int, message: object) -> None:
-        """Append a row with a message and its ROS time; WriteError if there is no room."""
+        """Append a row with a message and its log time; WriteError if there is no room."""
         self._writers[topic].writerow([time_ns, *(value for _, value in _flat('', message))])
 
     def close(self) -> None:
-        """End the files."""
+        """Close the files."""
         for file in self._files:
             file.close()
 
@@ -76,8 +86,8 @@ def _flat(prefix: str, message: Any) -> Iterator[tuple[str, object]]:
     """
     Yield name and value of each field.
 
-    Fields of fields are joined by dots, elements of arrays of a fixed length are numbered, and
-    sequences of any length are one JSON text.
+    Names of nested fields are joined by dots, elements of fixed-size arrays are numbered, and a
+    sequence is one JSON text.
     """
     for field, kind in message.get_fields_and_field_types().items():
         name, value = prefix + field, getattr(message, field)
@@ -92,7 +102,7 @@ def _flat(prefix: str, message: Any) -> Iterator[tuple[str, object]]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a message or a sequence as JSON can have it."""
+    """Return a message or a sequence as JSON values."""
     if hasattr(value, 'get_fields_and_field_types'):
         return {name: _plain(getattr(value, name)) for name in value.get_fields_and_field_types()}
     if isinstance(value, bytes):
