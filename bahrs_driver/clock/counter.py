@@ -12,9 +12,8 @@ can give the count.
 
 from dataclasses import dataclass
 
-from bahrs_driver.units import COUNTER_MODULUS, NS_PER_MS, NS_PER_S
+from bahrs_driver.units import COUNTER_MODULUS, NS_PER_S
 
-PERIOD = 5 * NS_PER_MS          # nominal, of samples
 LONGEST_SILENCE = 4 * NS_PER_S // 10        # less than a device takes to start
 FAR = 20                        # samples; if more are missing, so is a time message
 SLACK = NS_PER_S // 10          # by which a bound may be late
@@ -37,8 +36,10 @@ class CountedSequence:
 class SampleCounter:
     """Counts samples by their sequence counters."""
 
-    def __init__(self) -> None:
+    def __init__(self, period: int) -> None:
+        """Count samples of a nominal period in ns."""
         self.rejected = 0
+        self._period = period
         self.count = 0                  # of the latest sample
         self._sequence = -1             # latest plausible counter
         self._trusted = 0               # its count
@@ -126,7 +127,7 @@ class SampleCounter:
         """Return the highest count that a frame can have: `latest`, or by elapsed time."""
         if latest is not None:
             return latest
-        return self._trusted + (bound - self._trusted_bound + SLACK) // PERIOD + 1
+        return self._trusted + (bound - self._trusted_bound + SLACK) // self._period + 1
 
     def _trust(self, sequence: int, count: int, bound: int) -> None:
         self._before = self._sequence, self._trusted

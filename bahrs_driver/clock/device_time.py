@@ -11,9 +11,10 @@ time is not known until a second message agrees with it, or another one with the
 from enum import Enum
 
 from bahrs_driver.clock.counter import SampleCounter
-from bahrs_driver.clock.navigation import NavigationCounter, PER_NAVIGATION
+from bahrs_driver.clock.navigation import NavigationCounter
 from bahrs_driver.clock.time_reference import Label, TimeReferenceConvention
 from bahrs_driver.clock.timeline import Timeline
+from bahrs_driver.protocol.message_roles import MessageRoles
 from bahrs_driver.units import NS_PER_MS, NS_PER_S
 
 EARLIEST, LATEST = -3 * NS_PER_MS, NS_PER_S         # lateness of a sample of the same clock
@@ -30,10 +31,12 @@ class Verdict(Enum):
 class DeviceTime:
     """Counts samples, and computes their device times."""
 
-    def __init__(self, label: Label = 'auto') -> None:
-        self.counter = SampleCounter()
+    def __init__(self, roles: MessageRoles, label: Label = 'auto') -> None:
+        """Expect the rates of the device, and a convention of its time messages."""
+        self._period, self._per_navigation = roles.sample_period, roles.samples_per_navigation
+        self.counter = SampleCounter(self._period)
         self.convention = TimeReferenceConvention(label)
-        self.navigation = NavigationCounter()
+        self.navigation = NavigationCounter(self._per_navigation)
         self.known = False
         self.awaits_sample = True       # no count is known until the next sample
         self.rejected = 0               # time messages that contradicted the timeline
@@ -96,10 +99,10 @@ class DeviceTime:
         named = self.navigation.count(reference, self.counter.latest)
         if named is None:
             return None
-        ahead, odd = divmod(named - self.counter.count, PER_NAVIGATION)
+        ahead, odd = divmod(named - self.counter.count, self._per_navigation)
         if not odd:
             self.convention.vote(ahead)
-        return named - PER_NAVIGATION * self.convention.ahead
+        return named - self._per_navigation * self.convention.ahead
 
     def agrees(self, count: int, time: int) -> bool:
         """Whether the device time of a sample fits the timeline."""
@@ -151,7 +154,7 @@ class DeviceTime:
 
     def _doubt(self, count: int, time: int) -> Verdict:
         self.rejected += self.anchored
-        self._candidate = Timeline(count, time)
+        self._candidate = Timeline(count, time, self._period)
         self.known = False
         return Verdict.DOUBTED
 

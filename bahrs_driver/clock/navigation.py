@@ -3,10 +3,11 @@
 """
 The sample that a navigation message was computed from.
 
-`sample - 2 * navigation` of the sequence counters (modulo 256) is constant for as long as the
-device runs: 0, as both counters start at 0. Each pair of neighbours in the stream gives it, but
-one of a pair may be lost. At first the most frequent value of the last few pairs counts, where 0
-starts with two votes; once five in a row have agreed, only another five in a row change it.
+With two samples per navigation message, `sample - 2 * navigation` of the sequence counters (modulo
+256) is constant for as long as the device runs: 0, as both counters start at 0. Each pair of
+neighbours in the stream gives it, but one of a pair may be lost. At first the most frequent value
+of the last few pairs counts, where 0 starts with two votes; once five in a row have agreed, only
+another five in a row change it.
 """
 
 from collections import deque
@@ -14,22 +15,23 @@ from collections import deque
 from bahrs_driver.clock.counter import CountedSequence
 from bahrs_driver.units import COUNTER_MODULUS
 
-PER_NAVIGATION = 2              # samples
 WITNESSES = 5
 PRIOR = 2                       # votes for 0 at the start
-NEARBY = 4 * PER_NAVIGATION     # samples that may be lost before the difference is certain
+NEARBY = 4                      # navigation messages that may be lost before it is certain
 
 
 class NavigationCounter:
     """Finds the sample of a navigation message."""
 
-    def __init__(self) -> None:
+    def __init__(self, samples: int) -> None:
+        """Expect a number of samples per navigation message."""
+        self._samples = samples
         self._difference, self._certain = 0, False
         self._recent: deque[int] = deque([0] * PRIOR, maxlen=WITNESSES)
 
     def pair(self, navigation: int, sample: int) -> None:
         """Add the counters of a navigation message and of the latest sample."""
-        self._recent.append((sample - PER_NAVIGATION * navigation) % COUNTER_MODULUS)
+        self._recent.append((sample - self._samples * navigation) % COUNTER_MODULUS)
         frequent = max(self._recent, key=self._recent.count)
         unanimous = self._recent.count(frequent) == WITNESSES
         if unanimous or not self._certain:
@@ -42,5 +44,6 @@ class NavigationCounter:
 
         near is the latest sample before that message.
         """
-        found = near.nearest(PER_NAVIGATION * navigation + self._difference)
-        return found if self._certain or abs(found - near.count) <= NEARBY else None
+        found = near.nearest(self._samples * navigation + self._difference)
+        return found if self._certain or \
+            abs(found - near.count) <= NEARBY * self._samples else None

@@ -50,7 +50,7 @@ class SampleClock:
                  estimate: Estimate | None = None) -> None:
         """Stamp the messages of a device by an estimate that is new: by default a live one."""
         self._roles, self._options = roles, options
-        self._device = DeviceTime(options.label)
+        self._device = DeviceTime(roles, options.label)
         self._estimate = estimate or Tracker()
         self._notices = Notices()
         self._reads = Reads(self._notices)

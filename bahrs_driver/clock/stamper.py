@@ -12,7 +12,6 @@ of a sample is its arrival, made even by its count and the nominal period.
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from bahrs_driver.clock.counter import PERIOD
 from bahrs_driver.clock.device_time import DeviceTime
 from bahrs_driver.clock.estimation.estimate import Estimate
 from bahrs_driver.clock.estimation.tracker import Tracker
@@ -58,7 +57,7 @@ class Stamper:
         """Add samples that are about to be stamped without device time."""
         for item in items:
             if item.count is not None:
-                self._by_count.feed(item.count * PERIOD, item.bound)
+                self._by_count.feed(item.count * self._roles.sample_period, item.bound)
 
     def allow_backward(self) -> None:
         """Allow that the next stamp is earlier than the last: the host's clock was set back."""
@@ -121,7 +120,8 @@ class Stamper:
             self.arrivals += type(item.message) is self._roles.sample
             arrival = item.bound
             if count is not None and self._by_count.started:
-                arrival = min(arrival, self._by_count.host_time(count * PERIOD))
+                arrival = min(arrival, self._by_count.host_time(
+                    count * self._roles.sample_period))
             stamp = self._slewer.stamp_arrival(arrival)
         self._latest = _Latest(count, device, stamp)
         return stamp

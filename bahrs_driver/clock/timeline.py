@@ -9,7 +9,6 @@ five seconds, if it is within 3 % of the nominal period.
 
 from collections import deque
 
-from bahrs_driver.clock.counter import PERIOD
 from bahrs_driver.units import NS_PER_US
 
 HISTORY = 51                    # time messages, ten per second
@@ -20,12 +19,13 @@ JITTER = 200 * NS_PER_US        # of a time message
 class Timeline:
     """Device time in ns by count."""
 
-    def __init__(self, count: int, time: int) -> None:
-        """Begin with the device time of one sample."""
+    def __init__(self, count: int, time: int, period: int) -> None:
+        """Begin with the device time of one sample, and a nominal period in ns."""
+        self._nominal = period
         self._history: deque[tuple[int, int]] = deque([(count, time)], maxlen=HISTORY)
         self._count, self._time = count, time
-        self._elapsed, self._samples = PERIOD, 1
-        self._tolerance = PERIOD_TOLERANCE * PERIOD
+        self._elapsed, self._samples = period, 1
+        self._tolerance = PERIOD_TOLERANCE * period
 
     @property
     def period(self) -> float:
@@ -58,7 +58,8 @@ class Timeline:
         self._count, self._time = count, time
         first, start = self._history[0]
         samples, elapsed = count - first, time - start
-        if abs(elapsed - samples * PERIOD) <= PERIOD_TOLERANCE * PERIOD * samples:
+        nominal = samples * self._nominal
+        if abs(elapsed - nominal) <= PERIOD_TOLERANCE * nominal:
             self._elapsed, self._samples = elapsed, samples
             self._tolerance = JITTER / samples
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The message types of a device that streams numbered samples, by their role for a clock."""
+"""The messages of a device that streams numbered samples, by their role for a clock."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ Kind = type[Any]
 @dataclass(frozen=True)
 class MessageRoles:
     """
-    Message types by role.
+    Message types by role, and their rates.
 
     Samples and navigation messages have a `sequence`. A time message ties the `reference_sequence`
     of one of them to a `device_time_us`, unless it is not `valid`.
@@ -25,3 +25,5 @@ class MessageRoles:
     sync_pulse: Kind
     power_on: Kind                  # sent once, right after power-on
     service: Collection[Kind]       # sent only while the device does not stream
+    sample_period: int              # ns, nominal
+    samples_per_navigation: int

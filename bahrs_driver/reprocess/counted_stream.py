@@ -12,7 +12,7 @@ from collections import deque
 from typing import Any
 
 from bahrs_driver.clock.counter import CountedSequence
-from bahrs_driver.clock.navigation import NavigationCounter, PER_NAVIGATION
+from bahrs_driver.clock.navigation import NavigationCounter
 from bahrs_driver.clock.time_reference import Label, TimeReferenceConvention, VOTES
 from bahrs_driver.protocol.message_roles import MessageRoles
 from bahrs_driver.reprocess.sample_times import Anchor, Jump, SampleTimes
@@ -35,10 +35,11 @@ class CountedStream:
         used once they have decided on it; with 0 votes, each one at once.
         """
         self.kind = kind
-        self.step = PER_NAVIGATION if kind is roles.navigation else 1   # sample periods
-        self.times = SampleTimes()
+        # Sample periods from one message to the next.
+        self.step = roles.samples_per_navigation if kind is roles.navigation else 1
+        self.times = SampleTimes(roles.sample_period)
         self.convention = TimeReferenceConvention(label, votes or VOTES)
-        self.navigation = NavigationCounter()
+        self.navigation = NavigationCounter(roles.samples_per_navigation)
         self.before: CountedSequence | None = None      # the sample before the first one
         self._roles, self._votes = roles, votes
         self._time_messages = (roles.sample_time, roles.navigation_time)
@@ -103,7 +104,8 @@ class CountedStream:
         numbers = [item.sequence for item in self._early if type(item) is roles.navigation]
         if self._latest is None and self.kind is roles.sample and numbers:
             self._power_on = False
-            self.before = CountedSequence(-1, PER_NAVIGATION * numbers[-1] % COUNTER_MODULUS)
+            self.before = CountedSequence(
+                -1, roles.samples_per_navigation * numbers[-1] % COUNTER_MODULUS)
             self._take_early(self.before)
             self._power_on = True
 
@@ -152,7 +154,7 @@ class CountedStream:
         of_navigation = type(message) is roles.navigation_time
         if of_navigation and self.kind is roles.sample:
             count = self.navigation.count(reference, latest)
-            return None if count is None else (count, PER_NAVIGATION)
+            return None if count is None else (count, roles.samples_per_navigation)
         if of_navigation is (self.kind is roles.navigation):
             return latest.nearest(reference), 1
         return None

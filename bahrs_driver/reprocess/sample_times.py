@@ -17,10 +17,8 @@ at the period of the device, and uses the nominal period for a stream without an
 
 from bisect import bisect_right
 from collections import deque
-from collections.abc import Iterable
 from typing import NamedTuple
 
-from bahrs_driver.clock.counter import PERIOD
 from bahrs_driver.clock.timeline import PERIOD_TOLERANCE, Timeline
 from bahrs_driver.units import COUNTER_MODULUS, NS_PER_S, ROS_TIME_END_S
 
@@ -79,7 +77,9 @@ class Span(NamedTuple):
 class SampleTimes:
     """Computes the device time of each sample from that of some samples."""
 
-    def __init__(self) -> None:
+    def __init__(self, period: int) -> None:
+        """Expect samples of a nominal period in ns."""
+        self._period = period
         self.epochs = 0
         self.rejected = 0                   # anchors that contradicted
         self._begin = FIRST                 # of the next first stretch
@@ -110,10 +110,10 @@ class SampleTimes:
         elif not (candidate and self._doubted[:2] == (sample, time)):
             self.rejected += line is not None
             if candidate and not line and (
-                    time > candidate.time_of(sample) or _crossing(
-                        self._jumps, self._doubted, anchor)):
+                    time > candidate.time_of(sample) or self._crossing(
+                        self._doubted, anchor)):
                 self._adopt(candidate)
-            self._candidate, self._doubted = Timeline(sample, time), anchor
+            self._candidate, self._doubted = Timeline(sample, time, self._period), anchor
 
     def discard(self, count: int) -> None:
         """Discard all anchors: samples up to this one get no certain time any more."""
@@ -156,12 +156,12 @@ class SampleTimes:
         start is the ROS time of the first anchor, in ns; without it ROS time is device time.
         """
         if self._candidate and (
-                self._line is None or _crossing(self._jumps, self._latest, self._doubted)):
+                self._line is None or self._crossing(self._latest, self._doubted)):
             self._adopt(self._candidate)
         if self._line:
             self._extend_to_the_end(self._line)
         else:
-            self._add(Stretch(FIRST, 0, 0, PERIOD, 1))
+            self._add(Stretch(FIRST, 0, 0, self._period, 1))
         head = self._stretches[0]
         shift = 0 if start is None else start - head.time
         if start is None and max(
@@ -217,7 +217,7 @@ class SampleTimes:
             self._certain.append(Span(max(
                 (jump.after for jump in self._jumps if jump.after <= anchor.sample),
                 default=self._begin), anchor.sample))
-            self._add(Stretch(self._begin, anchor.sample, anchor.time, PERIOD, 1))
+            self._add(Stretch(self._begin, anchor.sample, anchor.time, self._period, 1))
             self.epochs += 1
         else:
             self._certain.append(Span(anchor.sample + 1, anchor.sample))
@@ -230,13 +230,13 @@ class SampleTimes:
         """Find where time jumps between the latest anchor and another one."""
         self._extend_to_the_end(line)
         last, latest = self._stretches[-1], self._latest
-        jump = _crossing(self._jumps, latest, anchor) or Jump(
+        jump = self._crossing(latest, anchor) or Jump(
             anchor.sample - 1, anchor.sample, 0, False)
         ended = last.time_of(jump.before)
-        begins = anchor.time - (anchor.sample - jump.after) * PERIOD
+        begins = anchor.time - (anchor.sample - jump.after) * self._period
         new = Stretch(jump.middle if jump.power_on else jump.after, anchor.sample, anchor.time,
-                      PERIOD, 1, last.offset)
-        if _restarted(latest, anchor) or begins - ended > LONGEST_PAUSE:
+                      self._period, 1, last.offset)
+        if self._restarted(latest, anchor) or begins - ended > LONGEST_PAUSE:
             self.epochs += 1
             self._add(new._replace(offset=last.offset + ended + RESTART_DURATION - begins))
         elif begins > ended:
@@ -250,19 +250,18 @@ class SampleTimes:
         self._stretches.append(stretch)
         self._begins.append(stretch.begin)
 
+    def _restarted(self, before: Anchor, after: Anchor) -> bool:
+        """Return whether less time passed than the received samples take."""
+        elapsed, received = after.time - before.time, after.received - before.received - 1
+        return elapsed < 0 or elapsed < received * self._period * (1 - PERIOD_TOLERANCE)
 
-def _restarted(before: Anchor, after: Anchor) -> bool:
-    """Return whether less time passed than the received samples take."""
-    elapsed, received = after.time - before.time, after.received - before.received - 1
-    return elapsed < 0 or elapsed < received * PERIOD * (1 - PERIOD_TOLERANCE)
-
-
-def _crossing(jumps: Iterable[Jump], before: Anchor, after: Anchor) -> Jump | None:
-    """Return the jump of the counters at which time may have jumped between two anchors."""
-    between = [jump for jump in jumps if before.sample < jump.after and jump.before < after.sample]
-    if not _restarted(before, after):
-        return max(between, key=lambda jump: jump.after - jump.before, default=None)
-    # After power-on the device counts from 0, and so does its clock.
-    possible = [jump for jump in between if after.time - (after.sample - jump.after) * PERIOD
-                >= jump.sequence * PERIOD]
-    return min(possible, key=lambda jump: (not jump.power_on, jump.sequence), default=None)
+    def _crossing(self, before: Anchor, after: Anchor) -> Jump | None:
+        """Return the jump of the counters at which time may have jumped between two anchors."""
+        between = [jump for jump in self._jumps
+                   if before.sample < jump.after and jump.before < after.sample]
+        if not self._restarted(before, after):
+            return max(between, key=lambda jump: jump.after - jump.before, default=None)
+        # After power-on the device counts from 0, and so does its clock.
+        possible = [jump for jump in between
+                    if after.time >= (after.sample - jump.after + jump.sequence) * self._period]
+        return min(possible, key=lambda jump: (not jump.power_on, jump.sequence), default=None)

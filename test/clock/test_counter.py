@@ -2,13 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of counting samples, with literal counters; bounds are in periods."""
 
-from bahrs_driver.clock.counter import PERIOD, SampleCounter
+from bahrs_driver.clock.counter import SampleCounter
+from bahrs_driver.protocol.bahrs.roles import ROLES
 import pytest
+
+PERIOD = ROLES.sample_period
 
 
 def counted(*frames, latest=None):
     """Return the counts of frames, each given as its counter and its bound in periods."""
-    counter, counts = SampleCounter(), []
+    counter, counts = SampleCounter(PERIOD), []
     for sequence, periods in frames:
         bound = round(periods * PERIOD)
         limit = None if latest is None else latest(periods)
@@ -49,7 +52,7 @@ def test_a_repeated_frame():
 
 def test_three_implausible_counters_are_a_loss():
     """The device may have been restarted."""
-    counter = SampleCounter()
+    counter = SampleCounter(PERIOD)
     for index, sequence in enumerate((7, 107, 108, 109)):
         assert not counter.lost
         counter.add(sequence, index * PERIOD, index)
@@ -58,7 +61,7 @@ def test_three_implausible_counters_are_a_loss():
 
 def test_silence():
     """A silence of nearly the start-up time of a device."""
-    counter = SampleCounter()
+    counter = SampleCounter(PERIOD)
     assert not counter.silence_before(10 ** 12)
     counter.add(0, 0, None)
     assert not counter.silence_before(70 * PERIOD)
@@ -69,7 +72,7 @@ def test_silence():
     (1, 1, False), (20, 20, False), (40, 40, True), (40, 5, False), (250, 3, False)])
 def test_far(sequence, periods, far):
     """If many samples are missing and enough time has passed, the device may have restarted."""
-    counter = SampleCounter()
+    counter = SampleCounter(PERIOD)
     assert not counter.is_far(sequence, 0, None)
     counter.add(0, 0, None)
     assert counter.is_far(sequence, periods * PERIOD, periods) is far
@@ -77,7 +80,7 @@ def test_far(sequence, periods, far):
 
 def test_nearest():
     """Time messages name samples near the latest one."""
-    counter = SampleCounter()
+    counter = SampleCounter(PERIOD)
     counter.add(250, 0, None)
     assert [counter.latest.nearest(sequence) for sequence in (250, 251, 249, 3, 130)] == [
         0, 1, -1, 9, -120]

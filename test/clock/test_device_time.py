@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the reference, timeline and verdict of time messages, with literal numbers."""
 
-from bahrs_driver.clock.counter import PERIOD
 from bahrs_driver.clock.device_time import DeviceTime, Verdict
 from bahrs_driver.clock.time_reference import TimeReferenceConvention
 from bahrs_driver.clock.timeline import Timeline
+from bahrs_driver.protocol.bahrs.roles import ROLES
 import pytest
 
+PERIOD = ROLES.sample_period
 START = 600_000_000
 
 
@@ -31,14 +32,14 @@ def test_a_forced_convention_ignores_votes():
 
 def test_timeline_before_and_after_its_anchor():
     """At the nominal period until there is a slope."""
-    line = Timeline(20, START)
+    line = Timeline(20, START, PERIOD)
     assert [line.time_of(count) for count in (0, 20, 21)] == [
         START - 20 * PERIOD, START, START + PERIOD]
 
 
 def test_timeline_takes_the_period_from_the_slope():
     """Half a percent too long; the next message must fit it rather than the nominal period."""
-    line = Timeline(0, 0)
+    line = Timeline(0, 0, PERIOD)
     for index in range(1, 4):
         assert line.agrees(20 * index, 100_500_000 * index)
         line.accept(20 * index, 100_500_000 * index)
@@ -49,12 +50,12 @@ def test_timeline_takes_the_period_from_the_slope():
 
 def test_timeline_rejects_an_implausible_slope():
     """A device deviates by 3 % from the nominal period at most."""
-    assert not Timeline(0, 0).agrees(20, 104_000_000)
+    assert not Timeline(0, 0, PERIOD).agrees(20, 104_000_000)
 
 
 def device(samples=1):
     """Return device time after some samples."""
-    made = DeviceTime('same')
+    made = DeviceTime(ROLES, 'same')
     for index in range(samples):
         made.counter.add(index, index * PERIOD, None)
     return made

@@ -4,7 +4,6 @@
 
 from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.clock import Instant
-from bahrs_driver.clock.counter import PERIOD
 from bahrs_driver.pipeline import Pipeline
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import (
@@ -21,6 +20,7 @@ from support.emulated import make_device
 from support.shared_files import shared_file
 
 S = 1_000_000_000
+PERIOD = ROLES.sample_period
 SAMPLES = (Inertial, Navigation)
 
 

@@ -6,8 +6,10 @@ from bahrs_driver.protocol.bahrs.messages import (
     Inertial, InertialTime, MESSAGES, Navigation, NavigationTime, SoftwareVersion, SyncPulseTime,
 )
 from bahrs_driver.protocol.message_roles import MessageRoles
+from bahrs_driver.units import NS_PER_MS
 
 ROLES = MessageRoles(
     sample=Inertial, navigation=Navigation, sample_time=InertialTime,
     navigation_time=NavigationTime, sync_pulse=SyncPulseTime, power_on=SoftwareVersion,
-    service=frozenset(kind for kind in MESSAGES if kind.SERVICE))
+    service=frozenset(kind for kind in MESSAGES if kind.SERVICE),
+    sample_period=5 * NS_PER_MS, samples_per_navigation=2)
