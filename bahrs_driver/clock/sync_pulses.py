@@ -35,7 +35,7 @@ class SyncPulses:
 
     @property
     def active_tracker(self) -> PulseTracker | None:
-        """The tracker, if stamps follow it at present."""
+        """Return the tracker if stamps follow it at present."""
         return self.tracker if self.enabled and self.tracker.settled else None
 
     def restart(self) -> None:

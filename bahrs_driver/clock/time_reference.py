@@ -37,7 +37,7 @@ class TimeReferenceConvention:
 
     @property
     def label(self) -> str:
-        """The convention as it appears in diagnostics."""
+        """Return the convention as it appears in diagnostics."""
         if self._label == 'auto' and not self._votes:
             return 'not seen yet'
         return 'next' if self.ahead else 'same'

@@ -48,7 +48,7 @@ class Jump(NamedTuple):
 
     @property
     def middle(self) -> int:
-        """A count far from either, because samples were lost on both sides."""
+        """Return a count far from either, because samples were lost on both sides."""
         return (self.before + self.after) // 2
 
 

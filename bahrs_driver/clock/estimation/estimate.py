@@ -26,7 +26,7 @@ class Estimate(Protocol):
 
     @property
     def skew_deviation(self) -> float:
-        """Standard deviation of the skew."""
+        """Return the standard deviation of the skew."""
 
     @property
     def spread(self) -> float:

@@ -118,7 +118,7 @@ class OffsetFilter:
 
     @property
     def skew_deviation(self) -> float:
-        """Standard deviation of the skew."""
+        """Return the standard deviation of the skew."""
         return math.sqrt(self._mean.p11)
 
     def offset(self, time: int) -> int:

@@ -47,7 +47,7 @@ class Bucket(NamedTuple):
 
     @property
     def measured(self) -> float:
-        """The offset, extrapolated to the minimum if the gap is small."""
+        """Return the offset, extrapolated to the minimum if the gap is small."""
         return self.offset - self.gap if self.gap < CLOSE_GAP else self.offset
 
 

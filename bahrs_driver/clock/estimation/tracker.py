@@ -98,7 +98,7 @@ class Tracker:
 
     @property
     def skew_deviation(self) -> float:
-        """Standard deviation of the skew."""
+        """Return the standard deviation of the skew."""
         return self._filter.skew_deviation if self._filter else self._skew_deviation
 
     def host_time(self, device: int) -> int:
