@@ -1,8 +1,9 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The kinds of port that a Link opens: serial devices, TCP and RFC 2217 servers.
+Ports, and the loops that read and write them.
 
-One module for each; all of them are a Channel. They raise whatever the system and pyserial raise,
-which the Link turns into sentences.
+A Link opens one of several kinds of Channel: a serial device, a TCP connection, an RFC 2217
+server. Channels raise the exceptions of the system and of pyserial; the Link turns them into a
+LinkError, whose text `explain` composes. A PortReader reads a Link through a pipeline.
 """

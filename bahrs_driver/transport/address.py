@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What the text of a port means: the path of a device, or a URL.
+Parse the name of a port: the path of a device, or a URL.
 
-Schemes stand on a list, for pyserial has others that do harm: spy://...?file= overwrites a file,
-and alt:// imports what it is given. So do options: all that are not listed are refused.
+Only listed schemes and options are accepted, because others of pyserial do harm: spy://...?file=
+overwrites a file, and alt:// imports any module.
 """
 
 import math
@@ -20,29 +20,29 @@ SCHEMES = ('socket', 'rfc2217', 'hwgrep')
 TEST_SCHEME = 'loop'
 EXAMPLES = {'socket': 'socket://host:4001', 'rfc2217': 'rfc2217://host:4001'}
 RFC2217_OPTIONS = ('ign_set_control', 'poll_modem', 'timeout')
-LONGEST_TIMEOUT = 60.0          # s, for an answer of an RFC 2217 server
+LONGEST_TIMEOUT = 60.0          # s, for the answer of an RFC 2217 server
 MOST_BAUD = 2 ** 31 - 1
 _SCHEME = re.compile('([A-Za-z][A-Za-z0-9+.-]*)://')
 
 
 class Address(NamedTuple):
-    """A port's text, understood."""
+    """The parsed name of a port."""
 
     text: str
     scheme: str = ''                            # empty for a path
     host: str = ''
     port: int = 0
     pattern: re.Pattern[str] | None = None      # of hwgrep
-    turn: int = 1                               # of the devices that match, from 1
+    number: int = 1                             # of the matching devices, from 1
 
     @property
     def is_network(self) -> bool:
-        """Whether it is at the other end of a network connection."""
+        """Whether the port is at the other end of a network connection."""
         return self.scheme in EXAMPLES
 
 
 def parse_address(text: str) -> Address:
-    """Return what a port's text means; ValueError says why it can never be opened."""
+    """Parse the name of a port; ValueError if it can never be opened."""
     if not text:
         raise ValueError('it is empty: name a device such as /dev/ttyUSB0')
     if '\0' in text:
@@ -55,7 +55,7 @@ def parse_address(text: str) -> Address:
         return _search(text, text[match.end():])
     if scheme == TEST_SCHEME:
         if len(text) > match.end():
-            raise ValueError(f'{TEST_SCHEME}:// takes nothing behind it')
+            raise ValueError(f'{TEST_SCHEME}:// takes no host and no options')
         return Address(f'{TEST_SCHEME}://', scheme)
     if scheme not in SCHEMES:
         names = ', '.join(f'{name}://' for name in SCHEMES)
@@ -65,7 +65,7 @@ def parse_address(text: str) -> Address:
 
 
 def check_baud_rate(baud_rate: int) -> None:
-    """Raise ValueError for a baud rate that no port can have."""
+    """Raise ValueError for a baud rate that no port supports."""
     if isinstance(baud_rate, bool) or not isinstance(baud_rate, int) \
             or not 1 <= baud_rate <= MOST_BAUD:
         raise ValueError(f'the baud rate {printable(baud_rate, 40)} is not possible: it must be '
@@ -119,22 +119,22 @@ def _number(text: str) -> float:
 
 def _search(text: str, rest: str) -> Address:
     expression, *options = rest.split('&')
-    turn = 1
+    number = 1
     for option in options:
         name, _, value = option.partition('=')
         if name != 'n' or not re.fullmatch('[1-9][0-9]{0,3}', value):
             raise ValueError(f'option {printable(option, 40)!r} is not supported by hwgrep://, '
-                             'which has n=NUMBER alone, counted from 1')
-        turn = int(value)
+                             'which has n=NUMBER only, counted from 1')
+        number = int(value)
     if not expression:
-        raise ValueError('it must have an expression to look for, such as hwgrep://0403:6001')
-    return Address(text, 'hwgrep', pattern=_compiled(expression), turn=turn)
+        raise ValueError('it must have an expression to search for, such as hwgrep://0403:6001')
+    return Address(text, 'hwgrep', pattern=_compile(expression), number=number)
 
 
-def _compiled(expression: str) -> re.Pattern[str]:
+def _compile(expression: str) -> re.Pattern[str]:
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter('ignore')     # of what may mean something else one day
+            warnings.simplefilter('ignore')     # about syntax that may change its meaning
             return re.compile(expression, re.IGNORECASE)
     except (re.error, OverflowError, RecursionError, ValueError, MemoryError) as error:
         raise ValueError(f'{printable(expression, 60)} is not a regular expression: '

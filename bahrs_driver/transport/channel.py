@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a Link needs of an open port, and the part of it that all descriptors share."""
+"""An open port, and what all ports with a file descriptor share."""
 
 import errno
 import fcntl
@@ -19,10 +19,10 @@ LARGEST_READ = 4096     # bytes
 
 
 class Channel(Protocol):
-    """An open port. What goes wrong with it is an OSError."""
+    """An open port. It raises OSError."""
 
     def read(self, timeout: float, waker: Waker) -> Reading | None:
-        """Wait for bytes and return all there are; None after timeout seconds, or if woken."""
+        """Wait for bytes and return all; None after timeout seconds, or if woken."""
 
     def write(self, data: bytes, timeout: float, waker: Waker) -> None:
         """Send all of data within timeout seconds, unless woken."""
@@ -32,43 +32,43 @@ class Channel(Protocol):
 
     @property
     def stolen(self) -> int:
-        """Count of reads that found the bytes taken by another program."""
+        """Count of reads whose bytes another program had taken."""
 
 
 class DescriptorChannel:
     """
-    A port that is a descriptor.
+    A port with a file descriptor.
 
-    It is waited for with poll(), because select() fails on descriptors from 1024 on.
+    It waits with poll(), because select() fails on descriptors from 1024 on.
     """
 
     stolen = 0
 
     def __init__(self, descriptor: int) -> None:
-        """Use a descriptor, which is closed by its owner."""
+        """Use a descriptor, which its owner closes."""
         self._descriptor = descriptor
         os.set_blocking(descriptor, False)
 
     def read(self, timeout: float, waker: Waker) -> Reading | None:
-        """Wait for bytes and return all there are; None after timeout seconds, or if woken."""
+        """Wait for bytes and return all; None after timeout seconds, or if woken."""
         poll = select.poll()
         poll.register(self._descriptor, select.POLLIN)
         poll.register(waker.fileno(), select.POLLIN)
         if not poll.poll(timeout * 1e3) or waker.clear():
             return None
-        # What an adapter hands over at once is one read, under one time. The time is taken after
-        # the bytes are counted, or it would be too early for those that arrive meanwhile.
+        # The bytes that an adapter delivers at once are one read with one time. The time is read
+        # after the bytes are counted; before, it would be too early for bytes that arrive between.
         count = min(self._count_waiting(), LARGEST_READ)
-        moment = host_instant()
+        now = host_instant()
         try:
             data = os.read(self._descriptor, count or 1)
         except BlockingIOError:
-            self._found_nothing()
+            self._handle_no_data()
             return None
         if not data:
-            self._found_end()
+            self._handle_end_of_stream()
             return None
-        return Reading(data, moment)
+        return Reading(data, now)
 
     def write(self, data: bytes, timeout: float, waker: Waker) -> None:
         """Send all of data within timeout seconds, unless woken."""
@@ -96,8 +96,8 @@ class DescriptorChannel:
         return int(struct.unpack('i', fcntl.ioctl(
             self._descriptor, termios.FIONREAD, bytes(4)))[0])
 
-    def _found_nothing(self) -> None:
-        """React to bytes that were announced and are not there."""
+    def _handle_no_data(self) -> None:
+        """Handle a read without data after poll() announced some."""
 
-    def _found_end(self) -> None:
-        """React to the end of the stream."""
+    def _handle_end_of_stream(self) -> None:
+        """Handle the end of the stream."""

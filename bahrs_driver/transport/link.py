@@ -1,11 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The port: opened, read with the host's time, written, closed.
+Open, read, write and close a port.
 
-A port is the path of a device or a URL. One thread reads it, any thread may write. Whatever goes
-wrong is one sentence that names the port, the reason and the remedy, and is always a LinkError:
-the port may be back in a second.
+A port is the path of a device or a URL. One thread reads it, any thread may write. Every failure
+is a LinkError, because the port may be back in a second; its text is one sentence with the port,
+the reason and the remedy.
 """
 
 from collections.abc import Callable
@@ -16,10 +16,10 @@ import threading
 from bahrs_driver.errors import LinkError
 from bahrs_driver.process.printable import printable
 from bahrs_driver.transport.address import check_baud_rate, parse_address
-from bahrs_driver.transport.attempt import Attempt
 from bahrs_driver.transport.channel import Channel
 from bahrs_driver.transport.device_search import find_device
 from bahrs_driver.transport.explain import Target, why_gone, why_not_open, why_not_written
+from bahrs_driver.transport.interruptible_call import InterruptibleCall
 from bahrs_driver.transport.pyserial_url import open_loop, open_rfc2217
 from bahrs_driver.transport.reading import Reading
 from bahrs_driver.transport.serial_port import SerialPort
@@ -29,18 +29,18 @@ from bahrs_driver.units import byte_time_ns
 
 __all__ = ['Link', 'LinkError', 'Reading']
 
-READ_TIMEOUT = 0.5      # s; how long a read waits for a device that is silent
+READ_TIMEOUT = 0.5      # s
 WRITE_TIMEOUT = 1.0     # s
-_NO_LINE_RATE = ('ttyACM', 'ttyGS')
+_NO_LINE_RATE = ('ttyACM', 'ttyGS')     # native USB, on which a baud rate has no effect
 
 
 class Link:
-    """A port that can be opened again and again."""
+    """A port that can be opened repeatedly."""
 
     def __init__(self, port: str, baud_rate: int) -> None:
-        """Take a path or URL; ValueError for one that can never be opened."""
+        """Check the path or URL; ValueError for one that can never be opened."""
         self.port = port
-        self.name = printable(port)         # safe to show and to log
+        self.name = printable(port)
         self.baud_rate = baud_rate
         check_baud_rate(baud_rate)
         self._address = parse_address(port)
@@ -62,23 +62,23 @@ class Link:
 
     @property
     def path(self) -> str:
-        """Path of the device; empty for a server, and for one that was not found yet."""
+        """Path of the device; empty for a server, and for a device not found yet."""
         return self._path
 
     @property
     def stolen(self) -> int:
-        """Count of reads since it was opened that found the bytes taken by another program."""
+        """Count of reads, since opening, whose bytes another program had taken."""
         channel = self._channel
         return channel.stolen if channel else 0
 
     @property
     def byte_time_ns(self) -> int:
-        """Nanoseconds that a byte takes on the line; 0 for native USB and networks."""
+        """Time of a byte on the line in ns; 0 for native USB and networks."""
         name = os.path.basename(os.path.realpath(self._path)) if self._path else ''
         return byte_time_ns(self.baud_rate) if name and not name.startswith(_NO_LINE_RATE) else 0
 
     def connect(self) -> None:
-        """Open the port for this process alone. LinkError says why it cannot be."""
+        """Open the port for this process alone; LinkError if that is not possible."""
         self.close()
         try:
             channel = self._open()
@@ -89,17 +89,17 @@ class Link:
         self._was_open = True
 
     def read(self) -> Reading | None:
-        """Wait for bytes and take all there are; None if none came in time, LinkError if gone."""
+        """Wait for bytes and return all; None on a timeout, LinkError if the port is gone."""
         try:
-            return self._required().read(READ_TIMEOUT, self._reader_waker)
+            return self._open_channel().read(READ_TIMEOUT, self._reader_waker)
         except Exception as error:
             raise why_gone(self._target(), error) from error
 
     def write(self, data: bytes, wait: bool = True) -> None:
         """
-        Send all of data. LinkError if the port is gone or takes no more.
+        Send all of data; LinkError if the port is gone or does not accept it in time.
 
-        Without wait, it must take data at once.
+        Without wait, the port must accept data at once.
         """
         try:
             self._write(data, WRITE_TIMEOUT if wait else 0.0)
@@ -107,12 +107,12 @@ class Link:
             raise why_not_written(self._target(), error) from error
 
     def cancel_read(self) -> None:
-        """Wake the thread that opens or reads, or is the next to do so, and all that write."""
+        """Interrupt threads that write, and the present or next call that opens or reads."""
         self._reader_waker.wake()
         self._writer_waker.wake()
 
     def close(self) -> None:
-        """Close the port. Closing one that is gone or closed does no harm."""
+        """Close the port, if it is open."""
         self._writer_waker.wake()
         with self._writing:
             channel, self._channel = self._channel, None
@@ -127,7 +127,7 @@ class Link:
             return open_loop(address.text, self.baud_rate)
         if address.pattern:
             self._path = ''
-            self._path = find_device(address.pattern, address.turn)
+            self._path = find_device(address.pattern, address.number)
         return SerialPort(self._path, self.baud_rate)
 
     def _connect_to_server(self) -> Channel:
@@ -135,7 +135,7 @@ class Link:
         connect: Callable[[], Channel] = partial(open_rfc2217, address.text, self.baud_rate)
         if address.scheme == 'socket':
             connect = partial(TcpConnection, address.host, address.port)
-        channel = Attempt[Channel](connect).wait(self._reader_waker)
+        channel = InterruptibleCall[Channel](connect).wait(self._reader_waker)
         if channel is None:
             raise InterruptedError('the driver is being stopped')
         return channel
@@ -144,11 +144,11 @@ class Link:
         if not self._writing.acquire(blocking=timeout > 0):
             raise TimeoutError('another request waits to be written')
         try:
-            self._required().write(data, timeout, self._writer_waker)
+            self._open_channel().write(data, timeout, self._writer_waker)
         finally:
             self._writing.release()
 
-    def _required(self) -> Channel:
+    def _open_channel(self) -> Channel:
         if self._channel is None:
             raise OSError('it is not open')
         return self._channel

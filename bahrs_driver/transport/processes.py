@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which processes run, and which of them have a device open, as /proc shows it."""
+"""List processes, and those that have a device open, from /proc."""
 
 from collections.abc import Iterator
 import contextlib
@@ -12,23 +12,23 @@ ROOT = Path('/')
 
 
 class Process(NamedTuple):
-    """A process that runs."""
+    """A running process."""
 
     pid: int
     name: str
 
 
 def processes(root: Path = ROOT) -> Iterator[Process]:
-    """Yield all processes; root is the folder that /proc is in."""
+    """Yield all processes; root is the folder of /proc."""
     for pid in _pids(root):
         yield Process(pid, _name_of(pid, root))
 
 
 def holders(device: str, root: Path = ROOT) -> list[Process]:
     """
-    Return the processes that have a device open, by its resolved path.
+    Return the processes that have a device open, given its resolved path.
 
-    Those of other users are visible to root alone.
+    Only root sees those of other users.
     """
     return [Process(pid, _name_of(pid, root)) for pid in _pids(root)
             if device in _open_files(pid, root)]

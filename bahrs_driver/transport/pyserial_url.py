@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Ports for which pyserial has the protocol: RFC 2217 servers, and a loop for tests."""
+"""Ports that pyserial implements: RFC 2217 servers, and a loop for tests."""
 
 import contextlib
 import queue
@@ -15,13 +15,13 @@ from bahrs_driver.transport.waker import Waker
 import serial
 from serial import rfc2217
 
-SLICE = 0.1             # s, after which a read looks whether it was woken
+SLICE = 0.1             # s from one check of the waker to the next
 WRITE_TIMEOUT = 1.0     # s
-LONGEST_QUEUE = 65536   # bytes that wait to be read
+LONGEST_QUEUE = 65536   # bytes received and not yet read
 
 
 class PyserialChannel:
-    """An open port of pyserial's, one that has no descriptor to wait for."""
+    """An open port of pyserial that has no descriptor for poll()."""
 
     stolen = 0
 
@@ -30,20 +30,20 @@ class PyserialChannel:
         self._port.timeout = SLICE
 
     def read(self, timeout: float, waker: Waker) -> Reading | None:
-        """Wait for bytes and return all there are; None after timeout seconds, or if woken."""
+        """Wait for bytes and return all; None after timeout seconds, or if woken."""
         deadline = time.monotonic() + timeout
         while not waker.clear():
             data: bytes = self._port.read(1)
             if data:
                 waiting = self._port.in_waiting
-                moment = host_instant()
-                return Reading(data + self._port.read(waiting) if waiting else data, moment)
+                now = host_instant()
+                return Reading(data + self._port.read(waiting) if waiting else data, now)
             if time.monotonic() >= deadline:
                 break
         return None
 
-    def write(self, data: bytes, timeout: float, waker: Waker) -> None:
-        """Send all of data; the time limit is that of the port."""
+    def write(self, data: bytes, _timeout: float, _waker: Waker) -> None:
+        """Send all of data within WRITE_TIMEOUT seconds."""
         self._port.write(data)
 
     def close(self) -> None:
@@ -51,20 +51,20 @@ class PyserialChannel:
         self._port.close()
 
 
-_Client: Any = rfc2217.Serial       # whose inner parts have no types
+_Client: Any = rfc2217.Serial       # its private attributes have no types
 
 
 class Rfc2217Port(_Client):  # type: ignore[misc]
-    """pyserial's client, with bounds on what a server can do to it."""
+    """The client of pyserial, with limits on memory and time that a server can cost."""
 
     def open(self) -> None:  # noqa: A003 (as pyserial has it)
-        """Connect and negotiate, and notice from then on if the server vanishes."""
+        """Connect, negotiate, and detect the loss of the server from then on."""
         super().open()
         detect_loss(self._socket)
         self._socket.settimeout(WRITE_TIMEOUT)
 
     def close(self) -> None:
-        """Close it, also while its reader waits for room."""
+        """Close the port, even while its reader thread waits for room in the queue."""
         pending = self._read_buffer
         if pending is not None:
             pending.maxsize = sys.maxsize
@@ -73,7 +73,7 @@ class Rfc2217Port(_Client):  # type: ignore[misc]
         super().close()
 
     def _telnet_read_loop(self) -> None:
-        # What a server sends can make it raise, and then the traceback would be printed.
+        # Data from a server can make it raise, and pyserial would print the traceback.
         self._read_buffer.maxsize = LONGEST_QUEUE
         try:
             with contextlib.suppress(Exception):
@@ -95,6 +95,6 @@ def open_rfc2217(url: str, baud_rate: int) -> PyserialChannel:
 
 
 def open_loop(url: str, baud_rate: int) -> PyserialChannel:
-    """Open a port that receives what is written to it."""
+    """Open a port that returns the bytes written to it."""
     return PyserialChannel(serial.serial_for_url(
         url, baud_rate, write_timeout=WRITE_TIMEOUT))

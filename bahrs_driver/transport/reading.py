@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a read of a port returns: bytes, and the host's time."""
+"""The result of a read."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from bahrs_driver.clock import Instant
 
 
 class Reading(NamedTuple):
-    """The bytes of one read, and a time by which all were there, close to the first such."""
+    """The bytes of one read, and the earliest known time by which all had arrived."""
 
     data: bytes
     now: Instant

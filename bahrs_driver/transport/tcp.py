@@ -1,12 +1,12 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-A TCP connection to a serial server, in raw mode.
+A TCP connection to a serial server in raw mode.
 
-A server that loses power says nothing more, and without keep-alive the connection would stay
-established for ever. With it, the kernel asks after KEEP_ALIVE_IDLE seconds without a byte and
-gives the connection up if it has had no answer for DEAD_AFTER seconds. The same limit holds for
-what was sent and is not acknowledged.
+A server that loses power sends nothing more, and without keep-alive the connection would stay
+established for ever. With keep-alive, the kernel sends a probe after KEEP_ALIVE_IDLE seconds
+without a byte and closes the connection after DEAD_AFTER seconds without an answer. Sent data must
+be acknowledged within the same time.
 """
 
 import errno
@@ -34,11 +34,11 @@ class ConnectionClosed(ConnectionError):
 
 
 class TcpConnection(DescriptorChannel):
-    """A connection that notices when its other end has vanished."""
+    """A connection that detects the loss of its other end."""
 
     def __init__(self, host: str, port: int) -> None:
         """Connect; OSError if no address of the host answers in time."""
-        self._socket = _connected(host, port)
+        self._socket = _connect(host, port)
         detect_loss(self._socket)
         super().__init__(self._socket.fileno())
 
@@ -46,17 +46,17 @@ class TcpConnection(DescriptorChannel):
         """Close the connection."""
         self._socket.close()
 
-    def _found_end(self) -> None:
+    def _handle_end_of_stream(self) -> None:
         raise ConnectionClosed(errno.ECONNRESET, 'the other end closed the connection')
 
 
 def detect_loss(connection: socket.socket) -> None:
-    """Make the kernel give up a connection whose other end does not answer for DEAD_AFTER s."""
+    """Make the kernel close a connection whose other end does not answer for DEAD_AFTER s."""
     for level, option, value in OPTIONS:
         connection.setsockopt(level, option, value)
 
 
-def _connected(host: str, port: int) -> socket.socket:
+def _connect(host: str, port: int) -> socket.socket:
     deadline = time.monotonic() + CONNECT_TIMEOUT
     failure = OSError(errno.EADDRNOTAVAIL, 'it has no address')
     for family, kind, protocol, _, address in socket.getaddrinfo(

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Something that wakes a thread from poll()."""
+"""Wake a thread that waits in poll()."""
 
 import contextlib
 import os
@@ -22,11 +22,11 @@ class Waker:
 
     def wake(self) -> None:
         """Wake the thread that waits, now or later."""
-        with contextlib.suppress(BlockingIOError):      # it was woken very often
+        with contextlib.suppress(BlockingIOError):      # the pipe is full of wake-ups
             os.write(self._write_end, b'.')
 
     def clear(self) -> bool:
-        """Return whether it was woken, and sleep on."""
+        """Reset the descriptor; return whether it was readable."""
         try:
             return bool(os.read(self._read_end, 65536))
         except BlockingIOError:

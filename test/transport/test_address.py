@@ -33,8 +33,8 @@ def test_what_is_understood(text, scheme, host, port):
 def test_a_search_for_a_device():
     """A regular expression, and which of the devices that match."""
     address = parse_address('hwgrep://0403:6001&n=2')
-    assert address.pattern.search('USB VID:PID=0403:6001') and address.turn == 2
-    assert parse_address('hwgrep://FTDI').turn == 1
+    assert address.pattern.search('USB VID:PID=0403:6001') and address.number == 2
+    assert parse_address('hwgrep://FTDI').number == 1
 
 
 @pytest.mark.parametrize('text, words', [
@@ -63,7 +63,7 @@ def test_a_search_for_a_device():
     ('hwgrep://a{99999999999}', 'is not a regular expression'),
     ('hwgrep://FTDI&skip_busy', "'skip_busy' is not supported by hwgrep://, which has n=NUMBER"),
     ('hwgrep://FTDI&n=0', "'n=0' is not supported"),
-    ('loop://?logging=debug', 'takes nothing behind it'),
+    ('loop://?logging=debug', 'takes no host and no options'),
 ])
 def test_what_can_never_be_opened(text, words):
     """The sentence says what would be right."""

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Something that takes its time in a thread of its own, so that waiting for it can be ended."""
+"""Call a function that may block, in a thread, and wait for it until interrupted."""
 
 from collections.abc import Callable
 import select
@@ -11,7 +11,7 @@ from bahrs_driver.transport.waker import Waker
 
 
 class Closable(Protocol):
-    """What has to be closed if the wait for it was given up."""
+    """A result that must be closed if nobody waits for it any more."""
 
     def close(self) -> None:
         """Close it."""
@@ -20,11 +20,11 @@ class Closable(Protocol):
 Result = TypeVar('Result', bound=Closable)
 
 
-class Attempt(Generic[Result]):
+class InterruptibleCall(Generic[Result]):
     """
     One call of a function that opens something.
 
-    Names are looked up, and pyserial negotiates, with nothing that could wake them.
+    The resolver of names and the negotiation of pyserial cannot be interrupted themselves.
     """
 
     def __init__(self, function: Callable[[], Result]) -> None:
@@ -37,7 +37,7 @@ class Attempt(Generic[Result]):
         threading.Thread(target=self._run, name='connecting', daemon=True).start()
 
     def wait(self, waker: Waker) -> Result | None:
-        """Return what the function returned, or raise what it raised; None if woken."""
+        """Return the result of the function, or raise its exception; None if woken."""
         poll = select.poll()
         for each in (self._done, waker):
             poll.register(each.fileno(), select.POLLIN)
