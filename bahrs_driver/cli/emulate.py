@@ -16,7 +16,12 @@ from bahrs_driver.emulator.control import COMMANDS
 from bahrs_driver.emulator.emulation import Emulation
 from bahrs_driver.emulator.flights import MOTIONS
 from bahrs_driver.emulator.host_time import HostTime
-from bahrs_driver.emulator.noise import DEVIATIONS, Noise, parse_bias, parse_deviation
+from bahrs_driver.emulator.measurement_errors import (
+    DEVIATIONS,
+    MeasurementErrors,
+    parse_bias,
+    parse_deviation,
+)
 from bahrs_driver.emulator.runner import ControlInput, PacedRun, run_to_file
 from bahrs_driver.emulator.scenario import parse, TimedCommand
 from bahrs_driver.emulator.session import Session
@@ -27,8 +32,7 @@ from bahrs_driver.process.argument_types import argument_type, bounded_float, op
 from bahrs_driver.process.printable import printable
 from bahrs_driver.process.shutdown_event import handled_signals
 from bahrs_driver.virtual_serial.cable import adapter_mode, Cable
-from bahrs_driver.virtual_serial.faults import Faults, parse_fault
-from bahrs_driver.virtual_serial.faults import NAMES as FAULTS
+from bahrs_driver.virtual_serial.faults import Faults, NAMES as FAULTS, parse_fault
 
 _EXAMPLES = """examples:
   bahrs emulate --link /tmp/bahrs                     an aircraft in flight, on a port
@@ -170,9 +174,10 @@ def _signals_call(end: Callable[[], None]) -> Iterator[None]:
 
 
 def _emulation(options: argparse.Namespace, zero: HostTime) -> Emulation:
-    noise = Noise(options.seed, {**DEVIATIONS, **dict(options.noise)}, dict(options.bias))
+    errors = MeasurementErrors(options.seed, {**DEVIATIONS, **dict(options.noise)},
+                               dict(options.bias))
     device = DEVICES[options.sensor].emulation().make_device(
-        options, MOTIONS[options.motion](), noise, zero)
+        options, MOTIONS[options.motion](), errors, zero)
     cable = Cable(options.baud_rate, options.latency_timer)
     return Emulation(device, Faults(options.seed, dict(options.fault)), cable)
 

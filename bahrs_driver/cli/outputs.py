@@ -15,7 +15,7 @@ import os
 import sys
 from typing import TextIO
 
-from bahrs_driver.emulator.runner import Output
+from bahrs_driver.emulator.runner import ByteSink
 from bahrs_driver.errors import CommandError, TargetExists, WriteError
 from bahrs_driver.files.atomic_file import atomic_file
 from bahrs_driver.files.guard import guard
@@ -57,7 +57,7 @@ def command_errors() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def output_file(name: str, force: bool) -> Iterator[Output]:
+def output_file(name: str, force: bool) -> Iterator[ByteSink]:
     """
     Yield what to write the bytes of a file to, which appears when the block ends.
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a person may tell an emulation while it runs, a line for each command."""
+"""The control commands of a running emulation, one per line."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -17,7 +17,7 @@ INTEGRITIES = {'safe': Integrity.SAFE, 'risk': Integrity.INTEGRITY_RISK,
 
 
 class Command(NamedTuple):
-    """A command: its arguments, what it does in words, and how."""
+    """A command: its arguments, a summary for the help, and its function."""
 
     arguments: str
     summary: str
@@ -25,7 +25,7 @@ class Command(NamedTuple):
 
 
 def execute(line: str, emulation: Emulation, now: float) -> None:
-    """Carry out a line; ControlError if it is wrong. Empty ones and # comments do nothing."""
+    """Execute a line; ControlError if it is invalid. Empty lines and # comments do nothing."""
     understood = _understand(line)
     if understood is None:
         return
@@ -37,7 +37,7 @@ def execute(line: str, emulation: Emulation, now: float) -> None:
 
 
 def check(line: str) -> None:
-    """Raise ControlError if a line is no command, or has too many or too few words."""
+    """Raise ControlError if a line is not a command with the right number of arguments."""
     _understand(line)
 
 

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from typing import NamedTuple, Protocol
 
 from bahrs_driver.emulator.host_time import HostTime
+from bahrs_driver.emulator.measurement_errors import MeasurementErrors
 from bahrs_driver.emulator.motion import Motion
-from bahrs_driver.emulator.noise import Noise
 from bahrs_driver.protocol.integrity import Integrity
 
 
@@ -73,6 +73,6 @@ class DeviceEmulation(Protocol):
     def add_arguments(self, parser: ArgumentParser) -> None:
         """Add the options that only this device has."""
 
-    def make_device(self, options: Namespace, motion: Motion, noise: Noise,
+    def make_device(self, options: Namespace, motion: Motion, errors: MeasurementErrors,
                     zero: HostTime) -> EmulatedDevice:
         """Return an emulated device whose time starts at a host time."""

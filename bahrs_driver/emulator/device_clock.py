@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The clock of a device: microseconds that are a little longer or shorter than true ones."""
+"""The clock of a device, which runs a little faster or slower than true time."""
 
 import math
 import random
@@ -10,14 +10,14 @@ from bahrs_driver.units import US_PER_S
 
 class DeviceClock:
     """
-    Counts microseconds from power-on, in true time that is handed in.
+    Counts microseconds from power-on.
 
-    Its rate is off by a constant drift and by a random walk, both in parts per million.
+    Its rate differs from true time by a constant drift and by a random walk, both in ppm.
     """
 
     def __init__(self, seed: int, drift_ppm: float = 0.0, wander_ppm: float = 0.0,
                  start_us: int = 0) -> None:
-        """Take drift, wander per square root of a second, and the reading at power-on."""
+        """Set drift, random walk in ppm per square root of a second, and the first reading."""
         self.drift_ppm = drift_ppm
         self._wander_ppm = wander_ppm
         self._start_us = start_us
@@ -26,12 +26,12 @@ class DeviceClock:
         self.restart(0.0)
 
     def restart(self, time: float) -> None:
-        """Begin anew at a true time in seconds, as power-on makes it."""
+        """Restart at a true time in seconds, as after power-on."""
         self.time = time
         self.reading_us = self._start_us
 
     def advance(self, duration_us: int) -> None:
-        """Let the reading go on by this much, and true time with it."""
+        """Advance the reading, and true time with it."""
         self.reading_us += duration_us
         seconds = duration_us / US_PER_S
         self.time += seconds / self._rate
@@ -39,7 +39,7 @@ class DeviceClock:
             self._walk_ppm += self._gauss(0.0, self._wander_ppm * math.sqrt(seconds))
 
     def reading_at(self, time: float) -> int:
-        """Return what the clock reads at a true time close to the present."""
+        """Return the reading at a true time close to the present."""
         return self.reading_us + round((time - self.time) * self._rate * US_PER_S)
 
     @property

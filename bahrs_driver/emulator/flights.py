@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The motions that there are to choose from."""
+"""The motions that `bahrs emulate --motion` offers."""
 
 from collections.abc import Callable, Sequence
 import math
@@ -15,7 +15,7 @@ _FLYING = Change(1.0)
 
 
 class Still:
-    """At rest, level, for as long as you like."""
+    """At rest and level."""
 
     def __init__(self, height: float = AIRFIELD, heading: float = RUNWAY) -> None:
         """Stand at a height in m with a heading in degrees."""
@@ -23,25 +23,25 @@ class Still:
         self._truth = truth(_NOTHING, _NOTHING, track, _NOTHING, height)
 
     def at(self, time: float) -> Truth:
-        """Return the truth, always the same."""
+        """Return the true values, which never change."""
         return self._truth
 
 
 class SteadyTurn:
-    """A level circle in the air, every direction once a minute."""
+    """A level circle in the air, once a minute."""
 
     SPEED = 60.0                        # m/s
     TURN_RATE = math.radians(6.0)       # rad/s
     HEIGHT = 5000.0                     # m
 
     def at(self, time: float) -> Truth:
-        """Return the truth at a time in seconds."""
+        """Return the true values at a time in seconds."""
         track = Change(self.TURN_RATE * time, self.TURN_RATE)
         return truth(Change(self.SPEED), _NOTHING, track, _FLYING, self.HEIGHT)
 
 
 class Phase(NamedTuple):
-    """A part of a flight, told by what is reached at its end."""
+    """A part of a flight, described by the values at its end."""
 
     duration: float         # s
     speed: float            # m/s over ground
@@ -85,9 +85,9 @@ FLIGHT = (
 
 class Flight:
     """
-    Rest, taxi, climb, turns both ways, descent, landing, and again from the beginning.
+    Rest, taxi, climb, turns both ways, descent, landing, again and again.
 
-    The phases must end as they began: at rest, at the same height and heading.
+    The phases must end as they begin: at rest, at the same height and heading.
     """
 
     def __init__(self, phases: Sequence[Phase] = FLIGHT, height: float = AIRFIELD,
@@ -104,11 +104,11 @@ class Flight:
 
     @property
     def duration(self) -> float:
-        """Seconds from the start of one round to the start of the next."""
+        """Seconds of one flight, from rest to rest."""
         return self._speed.duration
 
     def at(self, time: float) -> Truth:
-        """Return the truth at a time in seconds."""
+        """Return the true values at a time in seconds."""
         time %= self.duration
         return truth(self._speed.at(time), self._climb.at(time), self._track.at(time),
                      self._wings.at(time), self._height + self._climb.integral(time))

@@ -1,12 +1,12 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Where a motion leads: its velocity, integrated over the WGS 84 ellipsoid.
+The path of a motion over the WGS 84 ellipsoid.
 
-Latitude and longitude change as the velocity north and east says at that latitude and height;
-beside them the plain integrals of the velocity are kept, which is how a device counts from where
-it began. A fourth-order Runge-Kutta method with steps of a twentieth of a second is exact to far
-below a millimetre for motions as smooth as ours.
+The rates of latitude and longitude follow from the velocity, the latitude and the height. The
+plain integrals of the velocity are the position relative to the start, as a device counts it. A
+fourth-order Runge-Kutta method with steps of 0.05 s is exact to far below a millimetre for
+motions as smooth as these.
 """
 
 import math
@@ -22,8 +22,8 @@ STEP = 0.05                                 # s
 _Point = tuple[float, float, float, float]  # latitude, longitude (rad), north, east (m)
 
 
-class Place(NamedTuple):
-    """Degrees, north and east positive; m above the ellipsoid."""
+class GeodeticPosition(NamedTuple):
+    """Latitude and longitude in degrees, altitude in m above the ellipsoid."""
 
     latitude: float
     longitude: float
@@ -34,15 +34,15 @@ class GroundPath:
     """The path of a motion over the ground."""
 
     def __init__(self, motion: Motion, latitude: float, longitude: float) -> None:
-        """Begin at a latitude and longitude in degrees, at time 0."""
+        """Start at a latitude and longitude in degrees, at time 0."""
         self._motion = motion
         self._points: list[_Point] = [(math.radians(latitude), math.radians(longitude), 0.0, 0.0)]
 
-    def at(self, time: float) -> tuple[Truth, Place, tuple[float, float]]:
+    def at(self, time: float) -> tuple[Truth, GeodeticPosition, tuple[float, float]]:
         """
-        Return what is so at a time in seconds, where, and how far north and east of the start (m).
+        Return truth, position, and distances north and east of the start (m) at a time in s.
 
-        The height of the motion is taken for the altitude.
+        The pressure height of the motion serves as the altitude.
         """
         index = int(time / STEP)
         while len(self._points) <= index:
@@ -51,12 +51,12 @@ class GroundPath:
         latitude, longitude, north, east = self._moved(
             self._points[index], STEP * index, time - STEP * index)
         truth = self._motion.at(time)
-        return truth, Place(
+        return truth, GeodeticPosition(
             math.degrees(latitude), math.remainder(math.degrees(longitude), 360.0),
             truth.pressure_height), (north, east)
 
     def _moved(self, point: _Point, time: float, span: float) -> _Point:
-        """Return a point, of a time, some seconds later."""
+        """Return the point to which a point moves from a time on within a span in seconds."""
         middle = self._motion.at(time + span / 2)
         first = _rates(point, self._motion.at(time))
         second = _rates(_along(point, first, span / 2), middle)
@@ -73,7 +73,7 @@ def _along(point: _Point, rates: _Point, span: float) -> _Point:
 
 
 def _rates(point: _Point, truth: Truth) -> _Point:
-    """Return how fast a point moves."""
+    """Return the derivatives of a point by time."""
     sine = math.sin(point[0])
     square = 1 - ECCENTRICITY_SQUARED * sine * sine
     across = SEMI_MAJOR / math.sqrt(square)             # radius of curvature, east and west

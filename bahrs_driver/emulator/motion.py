@@ -1,15 +1,16 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-How the vehicle moves, and everything about it that a sensor could measure without error.
+The motion of a vehicle, and the true values of all that sensors measure.
 
-A motion gives ground speed, climb rate, track and how far the wings are free to bank, each with
-its derivatives in closed form. All else follows from these four: the nose points along the
+A motion defines ground speed, climb rate, track and the share of the bank that is flown, each with
+its derivatives in closed form. Everything else follows from these four: the nose points along the
 velocity, the bank is that of a coordinated turn, the angular rate is that of the Euler angles,
-and the specific force is acceleration less gravity seen in body axes. So integrating the rates
-gives the attitude and the forces fit the path, to the last digit and at any time that is asked
-for. Axes are forward, right, down and north, east, down; the earth is flat and does not turn,
-the atmosphere is the standard one, and magnetic north is true north.
+and the specific force is the acceleration minus gravity in body axes. Therefore the integral of
+the rates is the attitude, and the forces fit the path, to the last digit and at any time.
+
+Axes are forward, right, down and north, east, down. The earth is flat and does not turn, the
+atmosphere is the standard one, and magnetic north is true north.
 """
 
 from bisect import bisect_right
@@ -25,7 +26,7 @@ TURN = 2 * math.pi
 
 
 class Truth(NamedTuple):
-    """What is so at one instant: SI, radians, heading 0 to 2 pi."""
+    """True values at one instant: SI, radians, heading from 0 to 2 pi."""
 
     specific_force: Vector          # body axes
     angular_rate: Vector            # body axes
@@ -45,7 +46,7 @@ class Motion(Protocol):
     """A path through the air."""
 
     def at(self, time: float) -> Truth:
-        """Return the truth at a time in seconds since the start, which is at least 0."""
+        """Return the true values at a time in seconds since the start, at least 0."""
 
 
 class Change(NamedTuple):
@@ -58,14 +59,14 @@ class Change(NamedTuple):
 
 class Profile:
     """
-    A quantity that goes smoothly from one value to the next.
+    A quantity that changes smoothly from value to value.
 
     Each step is a quintic, the least polynomial whose first and second derivatives vanish at both
     ends. The integral is exact.
     """
 
     def __init__(self, start: float, steps: Iterable[tuple[float, float]]) -> None:
-        """Begin at start; each step is a duration in seconds and the value at its end."""
+        """Start at a value; each step has a duration in seconds and the value at its end."""
         durations, values = zip(*steps)
         self._starts: list[float] = [0.0, *accumulate(durations)]
         self._durations: tuple[float, ...] = durations
@@ -104,9 +105,9 @@ class Profile:
 
 def truth(speed: Change, climb: Change, track: Change, wings: Change, height: float) -> Truth:
     """
-    Return what follows from ground speed, climb rate and track.
+    Return the true values that follow from ground speed, climb rate and track.
 
-    wings tells how much of a coordinated turn's bank is flown: 0 on the ground, 1 in the air.
+    wings is the share of the bank of a coordinated turn: 0 on the ground, 1 in the air.
     """
     bank = _coordinated(speed, track)
     roll = wings.value * bank.value
@@ -125,14 +126,14 @@ def truth(speed: Change, climb: Change, track: Change, wings: Change, height: fl
 
 
 def _coordinated(speed: Change, track: Change) -> Change:
-    """Return the bank, with its rate, at which a turn pulls nobody sideways."""
+    """Return the bank of a coordinated turn, with its rate."""
     ratio = speed.value * track.first / STANDARD_GRAVITY
     ratio_rate = (speed.first * track.first + speed.value * track.second) / STANDARD_GRAVITY
     return Change(math.atan(ratio), ratio_rate / (1 + ratio * ratio))
 
 
 def _along_path(speed: Change, climb: Change) -> tuple[float, float]:
-    """Return the pitch, and its rate, of a nose that points where the vehicle goes."""
+    """Return the pitch along the path, and its rate."""
     if climb.value == climb.first == 0:
         return 0.0, 0.0
     square = speed.value ** 2 + climb.value ** 2
@@ -141,7 +142,7 @@ def _along_path(speed: Change, climb: Change) -> tuple[float, float]:
 
 
 def _to_body(level: Vector, axes: tuple[float, float, float, float]) -> Vector:
-    """Turn a vector from level axes by pitch and then by roll."""
+    """Rotate a vector from level axes by pitch and then by roll."""
     forward, right, down = level
     sin_roll, cos_roll, sin_pitch, cos_pitch = axes
     below = sin_pitch * forward + cos_pitch * down

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where an emulation meets real time: as fast as it goes into a file, or paced on a port."""
+"""Run an emulation: as fast as possible into a file, or in real time on a port."""
 
 from collections.abc import Callable
 import math
@@ -17,20 +17,20 @@ from bahrs_driver.units import NS_PER_S
 from bahrs_driver.virtual_serial.pty_port import PtyPort
 
 _LONGEST_WAIT = 0.1     # s
-_WATCH = 0.0002         # s before bytes are due, from when on we do not trust to be woken in time
+_WATCH = 0.0002         # s before bytes are due: stay awake, because sleeping may take too long
 _READ_SIZE = 4096
-_FILE_STEP = 1.0        # s of emulated time that go into a file at once
+_FILE_STEP = 1.0        # s of emulated time that are written to a file at once
 
 
-class Output(Protocol):
-    """What the bytes of an emulation are written to."""
+class ByteSink(Protocol):
+    """A file for the bytes of an emulation."""
 
     def write(self, data: bytes) -> object:
         """Append data."""
 
 
-def run_to_file(session: Session, duration: float, file: Output) -> None:
-    """Write what arrives at the host in some seconds, as fast as it can be made."""
+def run_to_file(session: Session, duration: float, file: ByteSink) -> None:
+    """Write the bytes that arrive at the host within a duration in seconds."""
     emulation, now = session.emulation, 0.0
     while now < duration and not emulation.ended:
         now = min(now + _FILE_STEP, duration)
@@ -42,21 +42,21 @@ def run_to_file(session: Session, duration: float, file: Output) -> None:
 
 class PacedRun:
     """
-    A port on which an emulation goes on in real time.
+    A port on which an emulation runs in real time.
 
-    Whatever makes the process late is caught up with, so that the pace holds over any time. A
-    driver may judge its clock by when bytes come, so they are handed over before anything else.
+    After a delay of the process the run catches up, so that the pace holds over any time. Drivers
+    estimate clocks from the arrival of bytes, so bytes are written before anything else happens.
     """
 
     def __init__(self, link: str | None, control: 'ControlInput',
                  announce: Callable[[str], None], complain: Callable[[str], None]) -> None:
         """
-        Take what start() and run() need.
+        Prepare a run; start() creates the port.
 
-        link is a path to make a symbolic link to the port at, control where commands come from,
-        announce is told every port's name, and complain what is wrong with a command.
+        link is the path of a symbolic link to the port, control the source of commands. announce
+        is called with the name of each port, complain with the error of a command.
         """
-        self.lost = 0           # bytes that a reader was too slow for
+        self.lost = 0           # bytes that a slow reader has missed
         self._link = link
         self._control = control
         self._announce = announce
@@ -68,9 +68,9 @@ class PacedRun:
 
     def start(self, wait: bool = False) -> HostTime:
         """
-        Make the port and let time begin, once somebody has opened it if asked to wait for that.
+        Create the port and start the time, with wait only when a program opens the port.
 
-        OSError if the port cannot be made.
+        OSError if the port cannot be created.
         """
         port = self._open()
         while wait and not self._ended and not port.wait_until_open(_LONGEST_WAIT):
@@ -79,18 +79,18 @@ class PacedRun:
         return self.host_time()
 
     def end(self) -> None:
-        """Let start() and run() return soon. A signal handler may call it."""
+        """Make start() and run() return soon. A signal handler may call this."""
         self._ended = True
 
     def host_time(self) -> HostTime:
-        """Return what the host's clocks read at time 0; the wall clock's may change."""
+        """Return the host's clocks at time 0; the wall clock may be set meanwhile."""
         return HostTime(self._zero_ns, self._system_time.at(self._zero_ns))
 
     def run(self, session: Session, duration: float = math.inf) -> None:
         """
-        Go on until so many seconds after the start, or until the session or end() ends it.
+        Run until a duration in seconds after the start, or until the session or end() ends it.
 
-        However late the process is, all that is due by then is done.
+        However late the process is, everything due by then happens.
         """
         now = -math.inf
         while not self._ended and now < duration:
@@ -104,7 +104,7 @@ class PacedRun:
             self._ended |= session.emulation.ended
 
     def close(self) -> None:
-        """Take the port away."""
+        """Close the port."""
         if self._port:
             self._port.close()
             self._port = None
@@ -114,7 +114,7 @@ class PacedRun:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Take the port away."""
+        """Close the port."""
         self.close()
 
     def _now(self) -> float:
@@ -123,7 +123,7 @@ class PacedRun:
     def _move_on(self, session: Session, now: float, ready: set[int]) -> None:
         zero = self.host_time()
         while not self._try(session.advance, now, zero):
-            pass                # what follows a wrong line of a scenario is due, too
+            pass                # the lines after an invalid line of a scenario are due, too
         if self._control.descriptor in ready:
             for line in self._control.lines():
                 self._try(session.command, line, now, zero)
@@ -156,7 +156,7 @@ class PacedRun:
         return self._port
 
     def _wait(self, until: float) -> set[int]:
-        """Sleep until then, or until somebody sends something; return the descriptors it is on."""
+        """Sleep until a time or until data arrives; return the readable descriptors."""
         files = [] if self._control.descriptor is None else [self._control.descriptor]
         if self._port and self._port.is_open:
             files.append(self._port.fileno())
@@ -171,26 +171,26 @@ class PacedRun:
         return ready
 
     def _watched(self, due: float) -> float:
-        """Stay awake until then if that is soon; return the time, at most due."""
+        """Stay awake until due if that is soon; return the time, at most due."""
         while (now := self._now()) < due <= now + _WATCH:
             pass
         return min(now, due)
 
 
 class ControlInput:
-    """Lines from a descriptor that may take their time, such as a terminal or a pipe."""
+    """Reads lines from a descriptor, such as a terminal or a pipe, without blocking."""
 
     def __init__(self, descriptor: int | None) -> None:
         self.descriptor = descriptor
         self._rest = b''
 
     def lines(self) -> list[str]:
-        """Return the lines that have come, once there is something to read."""
+        """Return the complete lines of a readable descriptor."""
         if self.descriptor is None:
             return []
         try:
             data = os.read(self.descriptor, _READ_SIZE)
-        except OSError:         # a terminal that does not talk to us in the background
+        except OSError:         # a terminal whose foreground process is another one
             data = b''
         *lines, self._rest = (self._rest + data).split(b'\n')
         if not data:

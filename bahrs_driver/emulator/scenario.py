@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Commands that happen by themselves, at their time.
+Scenarios: control commands with their times.
 
-A scenario is a text with a line for each: seconds since the start, then a command as for the
-control line. Empty lines and what follows a # mean nothing.
+Each line has the seconds since the start and a command as on the control line. Empty lines and
+comments, which begin with #, are ignored.
 
     12.5  integrity roll risk
     20    integrity roll safe
@@ -18,14 +18,14 @@ from bahrs_driver.errors import ControlError, ScenarioError
 
 
 class TimedCommand(NamedTuple):
-    """A command and when to carry it out, in seconds since the start."""
+    """A command, and the time to execute it in seconds since the start."""
 
     time: float
     line: str
 
 
 def parse(lines: Iterable[str]) -> list[TimedCommand]:
-    """Return the commands of a scenario by time; ScenarioError if a line is wrong."""
+    """Parse a scenario and sort its commands by time; ScenarioError if a line is invalid."""
     return sorted(_parse(lines), key=lambda command: command.time)
 
 

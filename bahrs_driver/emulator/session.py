@@ -1,19 +1,19 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""An emulation with those who talk to it and those who watch it: scenario, commands, truth."""
+"""An emulation with its scenario, commands and ground truth."""
 
 from collections import deque
 from collections.abc import Iterable
 
 from bahrs_driver.emulator.control import execute
-from bahrs_driver.emulator.emulation import Emulation, Sent
+from bahrs_driver.emulator.emulation import Emulation, SentFrame
 from bahrs_driver.emulator.host_time import HostTime
 from bahrs_driver.emulator.scenario import TimedCommand
 from bahrs_driver.emulator.truth_file import TruthFile
 
 
 class Session:
-    """Moves an emulation on, carries out commands, and writes down what was so."""
+    """Advances an emulation, executes commands and writes ground truth."""
 
     def __init__(self, emulation: Emulation, scenario: Iterable[TimedCommand] = (),
                  truth_file: TruthFile | None = None) -> None:
@@ -23,12 +23,12 @@ class Session:
 
     @property
     def next_time(self) -> float:
-        """When there is something to do next."""
+        """Time of the next event."""
         time = self.emulation.next_time
         return min(time, self._scenario[0].time) if self._scenario else time
 
     def advance(self, until: float, zero: HostTime) -> None:
-        """Let everything happen that is due by then; ControlError for a wrong scenario."""
+        """Advance to a time; ControlError if a command of the scenario is invalid."""
         while self._scenario and self._scenario[0].time <= until:
             time, line = self._scenario.popleft()
             self._note(self.emulation.advance(time), zero)
@@ -36,16 +36,16 @@ class Session:
         self._note(self.emulation.advance(until), zero)
 
     def command(self, line: str, now: float, zero: HostTime) -> None:
-        """Carry out a command; ControlError if it is wrong."""
+        """Execute a command; ControlError if it is invalid."""
         execute(line, self.emulation, now)
         if self._truth_file and line.strip():
             self._truth_file.event(line.strip(), now, zero)
 
     def receive(self, data: bytes, now: float, zero: HostTime) -> None:
-        """Hand the device what the host sent."""
+        """Pass bytes of the host to the device."""
         self._note(self.emulation.receive(data, now), zero)
 
-    def _note(self, all_sent: Iterable[Sent], zero: HostTime) -> None:
+    def _note(self, all_sent: Iterable[SentFrame], zero: HostTime) -> None:
         for sent in all_sent:
             if self._truth_file:
                 self._truth_file.sent(sent, zero)

@@ -1,10 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-When bytes arrive: the line that takes ten bits for each, and the adapter that holds them back.
+Arrival times of bytes, delayed by the line and by a USB adapter.
 
-A USB adapter hands bytes over when its latency timer runs out. Some never do so while bytes
-keep coming, and hand over full packets only, several at a time. A plain port gives them at once.
+The line needs ten bit times for a byte. A USB adapter delivers bytes when its latency timer
+expires. Some adapters deliver only full packets, several at a time, while bytes keep arriving. A
+plain port delivers at once.
 """
 
 from collections import deque
@@ -15,8 +16,8 @@ from bahrs_driver.units import BITS_PER_BYTE
 
 PACKET_BURST = 8 * 62               # bytes: eight full-speed USB packets, less their status
 
-LONGEST_QUEUE = 0.25                # s of output that wait for the line before some is lost
-IDLE_TIME = 0.016                   # s, after which even a packet that is not full is sent
+LONGEST_QUEUE = 0.25                # s of output that may wait for the line; more is lost
+IDLE_TIME = 0.016                   # s without bytes before an incomplete packet is sent
 
 _ROUNDING = 1e-6                    # of a byte
 AT_ONCE = 'none'
@@ -24,26 +25,26 @@ PACKETS = 'packets'
 
 
 def adapter_mode(text: str) -> str | float:
-    """Return 'none', 'packets', or the latency timer in seconds; ValueError otherwise."""
+    """Parse 'none', 'packets', or a latency timer in ms, which is returned in seconds."""
     if text in (AT_ONCE, PACKETS):
         return text
     return number(text, f'a latency timer other than {AT_ONCE} and {PACKETS}', 1, 255) / 1000
 
 
 class Cable:
-    """Takes frames when they are ready and gives out bytes when they arrive. No clock."""
+    """Delays frames on their way to the host. All times are arguments, in seconds."""
 
     def __init__(self, baud_rate: int, mode: str | float = AT_ONCE) -> None:
         self.mode = mode
         self.byte_time = BITS_PER_BYTE / baud_rate
-        self._free = 0.0                # when the line has sent all it was given
-        self._pieces: deque[tuple[float, bytes]] = deque()      # begin on the line, bytes
+        self._free = 0.0                # when the line has sent everything
+        self._pieces: deque[tuple[float, bytes]] = deque()      # start on the line, bytes
 
     def send(self, ready: float, data: bytes) -> bool:
         """
-        Put data on the line as soon as it is ready and the line is free.
+        Send data when it is ready and the line is free.
 
-        False if so much is waiting already that a device has no room for more.
+        False if the output buffer of the device is full, and the data is lost.
         """
         start = max(ready, self._free)
         if start > ready + LONGEST_QUEUE:
@@ -54,14 +55,14 @@ class Cable:
         return True
 
     def cut(self, now: float) -> None:
-        """Lose what has not arrived by now, as pulling the plug does."""
+        """Drop the bytes that have not arrived, as unplugging the cable does."""
         self._pieces = deque((start, data[:self._arrived(start, now)])
                              for start, data in self._pieces if self._arrived(start, now))
         self._free = now
 
     @property
     def next_time(self) -> float:
-        """When there is something to take; infinite while nothing is on the line."""
+        """Time at which take() returns bytes; infinite while the line is idle."""
         if not self._pieces:
             return math.inf
         start, data = self._pieces[0]
@@ -73,7 +74,7 @@ class Cable:
         return math.ceil((start + self.byte_time) / timer) * timer
 
     def take(self, now: float) -> bytes:
-        """Return the bytes that the adapter has handed over by now."""
+        """Return the bytes that the adapter has delivered by now."""
         if self.mode == AT_ONCE:
             return self._take_arrived(now)
         if self.mode != PACKETS:
@@ -85,7 +86,7 @@ class Cable:
         return data
 
     def _burst_time(self) -> float:
-        """Return when the next packets are full, or nothing has come for a while."""
+        """Return when the next packets are full or the line has been idle."""
         count, end = 0, math.inf
         for start, data in self._pieces:
             if start > end + IDLE_TIME:
@@ -111,5 +112,5 @@ class Cable:
         return b''.join(arrived)
 
     def _arrived(self, start: float, now: float) -> int:
-        """Return how many of the bytes that began at a time have arrived, as if without end."""
+        """Return how many bytes of an endless transmission from a start on have arrived."""
         return max(0, math.floor((now - start) / self.byte_time + _ROUNDING))

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a bad cable does to the bytes on it, by rate and seeded."""
+"""Random transmission faults, by rate and seeded."""
 
 from collections import Counter
 from collections.abc import Callable, Mapping
@@ -9,20 +9,20 @@ import random
 
 from bahrs_driver.process.text_values import known, number
 
-# What each rate counts: happenings for each byte, or for each frame.
+# Kinds of faults; rates are per byte or per frame.
 NAMES = {
     'bit_flip': 'bytes with one bit inverted',
     'drop_byte': 'bytes lost',
     'repeat_byte': 'bytes sent twice',
-    'insert_byte': 'bytes of noise put in after a byte',
-    'break': 'frames cut off somewhere inside',
-    'drop_frame': 'frames lost as a whole',
-    'repeat_frame': 'frames that come twice',
+    'insert_byte': 'bytes of noise inserted after a byte',
+    'break': 'frames truncated',
+    'drop_frame': 'frames lost',
+    'repeat_frame': 'frames sent twice',
 }
 
 
 def parse_fault(text: str) -> tuple[str, float]:
-    """Return name and rate of a text such as bit_flip=0.001; ValueError if it is none."""
+    """Parse the name and rate of a fault, such as bit_flip=0.001."""
     name, _, rate = text.partition('=')
     known(name, 'fault', NAMES)
     return name, number(rate, f'the rate of {name}', 0, 1)
@@ -32,30 +32,30 @@ class Faults:
     """
     Damages frames.
 
-    Each kind of fault has a random sequence of its own, so that changing the rate of one leaves
-    the others where they were. `counts` tells what was done so far.
+    Each kind of fault has its own random sequence: changing the rate of one does not move the
+    others. `counts` counts the faults so far.
     """
 
     def __init__(self, seed: int, rates: Mapping[str, float] | None = None) -> None:
-        """Take rates by name, from 0 (never) to 1 (always)."""
+        """Set rates by name, from 0 (never) to 1 (always)."""
         self.counts: Counter[str] = Counter()
         self._random = {name: random.Random(f'{name} {seed}') for name in NAMES}
         self._rates = dict.fromkeys(NAMES, 0.0)
-        self._distance = dict.fromkeys(NAMES, math.inf)     # how many to go until the next
+        self._distance = dict.fromkeys(NAMES, math.inf)     # bytes or frames until the next fault
         for name, rate in (rates or {}).items():
             self.set_rate(name, rate)
 
     def set_rate(self, name: str, rate: float) -> None:
-        """Change the rate of a fault from the next frame on."""
+        """Set the rate of a fault from the next frame on."""
         self._rates[name] = rate
         self._distance[name] = self._draw(name)
 
     def apply(self, frame: bytes) -> bytes:
-        """Return what arrives of a frame."""
+        """Return the bytes that arrive when a frame is sent."""
         if self._hits('drop_frame', 1):
             return b''
         for name, damage in _DAMAGES.items():
-            # Behind the first, so that what happened before does not move.
+            # From the end, because a fault moves the bytes behind it.
             for index in reversed(self._hits(name, len(frame))):
                 frame = damage(frame, index, self._random[name])
         if self._hits('break', 1):
@@ -63,7 +63,7 @@ class Faults:
         return frame * 2 if self._hits('repeat_frame', 1) else frame
 
     def _hits(self, name: str, length: int) -> list[int]:
-        """Return which of the next things are hit, by index, and count them."""
+        """Return the indices of faults among the next bytes or frames, and count them."""
         found = []
         distance = self._distance[name]
         while distance < length:
@@ -75,7 +75,7 @@ class Faults:
         return found
 
     def _draw(self, name: str) -> float:
-        """Return how many are spared until the next is hit."""
+        """Draw the number of bytes or frames until the next fault."""
         rate = self._rates[name]
         if not rate:
             return math.inf

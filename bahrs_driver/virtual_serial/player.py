@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Plays a recorded stream on a port, at its own pace, while a reader has the port open."""
+"""Play a recorded stream on a port while a reader has the port open."""
 
 from collections.abc import Callable, Iterable
 import time
@@ -13,23 +13,23 @@ class Player:
     """
     Writes pieces when they are due, and pauses while no reader has the port open.
 
-    What is written then would be lost, and the player would report a stream that was not read.
+    Pieces written without a reader would be lost.
     """
 
-    def __init__(self, port: PtyPort, rate: float, settle: float, patience: float | None,
+    def __init__(self, port: PtyPort, rate: float, settle: float, reopen_timeout: float | None,
                  report: Callable[[str], None]) -> None:
         """
         Play on a port; no piece is played before play() is called.
 
-        rate is how many times faster than recorded, settle the time in seconds that a reader gets
-        after it has opened the port, and patience the longest time to wait for another reader.
+        rate is the speed relative to the recording, settle the time in seconds that a reader gets
+        after opening the port, reopen_timeout the longest time to wait for another reader.
         """
         self.played = 0                 # bytes
         self._port, self._rate, self._settle = port, rate, settle
-        self._patience, self._report = patience, report
+        self._reopen_timeout, self._report = reopen_timeout, report
 
     def play(self, pieces: Iterable[Piece]) -> bool:
-        """Play to the end; False if the reader closed the port and none opens it again."""
+        """Play to the end; False if the reader closes the port and no reader opens it again."""
         start = time.monotonic()
         for due, data in pieces:
             ahead = start + due / self._rate - time.monotonic()
@@ -43,8 +43,8 @@ class Player:
         return True
 
     def _write(self, data: bytes) -> bool:
-        """Write a piece if there is a reader; what it leaves unread when it closes is lost."""
-        if not data:            # after the end of the stream, when the reader may have gone
+        """Write a piece if there is a reader."""
+        if not data:            # after the end of the stream, when the reader may be gone
             return True
         if not self._port.is_open:
             return False
@@ -53,10 +53,10 @@ class Player:
         return True
 
     def _reader_comes(self, due: float) -> bool:
-        limit = '' if self._patience is None else f' for {self._patience:g} s'
+        limit = '' if self._reopen_timeout is None else f' for {self._reopen_timeout:g} s'
         self._report(f'the reader has closed the port, {due:.1f} s after the beginning: waiting'
                      f'{limit} until it is opened again')
-        if not self._port.wait_until_open(self._patience):
+        if not self._port.wait_until_open(self._reopen_timeout):
             return False
         time.sleep(self._settle)
         return True

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""A serial port made of a pseudo-terminal: this is the device's end of the cable."""
+"""A serial port made of a pseudo-terminal, seen from the device."""
 
 import fcntl
 import os
@@ -18,24 +18,24 @@ from bahrs_driver.process.printable import printable
 
 _PSEUDO_TERMINAL = re.compile('/dev/pts/[0-9]+')
 _READ_SIZE = 4096
-_READER_POLL_PERIOD = 0.02     # s between two looks for a reader at the other end
-_EXCLUSIVE_WAIT = 2.0   # s for a reader of whom nothing is known
+_READER_POLL_PERIOD = 0.02     # s between checks for a reader at the other end
+_EXCLUSIVE_WAIT = 2.0   # s for a reader that has locked the port
 _UNKNOWN = -1           # number of bytes
 
 
 class PtyPort:
     """
-    The device's end of a pseudo-terminal whose other end is a serial port to open.
+    The device's end of a pseudo-terminal; programs open the other end as a serial port.
 
-    `path` is what to open; `link` an optional symbolic link to it, which is removed at the end.
+    `path` is the port to open, `link` an optional symbolic link to it, which close() removes.
     """
 
     def __init__(self, link: str | None = None) -> None:
         """
-        Make the port.
+        Create the port.
 
-        Only the link of a pseudo-terminal that is gone is replaced; FileExistsError if anything
-        else is there, OSError if the port cannot be made, WriteError if the link cannot.
+        A link is replaced only if it leads to a pseudo-terminal that is gone. FileExistsError if
+        another file exists, OSError if the port cannot be created, WriteError if the link cannot.
         """
         self._link = Path(link) if link else None
         self._fd, far_end = pty.openpty()
@@ -52,16 +52,16 @@ class PtyPort:
 
     @property
     def name(self) -> str:
-        """Path to tell the user to open."""
+        """Path for the user to open."""
         return str(self._link or self.path)
 
     @property
     def is_open(self) -> bool:
-        """Whether somebody has the port open."""
+        """Whether a program has the port open."""
         return not self._poll(select.POLLHUP, 0.0)
 
     def wait_until_open(self, timeout: float | None = None) -> bool:
-        """Wait until somebody has the port open; False if nobody came in time (seconds)."""
+        """Wait until a program has the port open; False at the timeout in seconds."""
         waited = 0.0
         while not self.is_open:
             if timeout is not None and waited >= timeout:
@@ -72,10 +72,10 @@ class PtyPort:
 
     def wait_until_read(self, timeout: float) -> bool:
         """
-        Wait until all that was sent is read, or nobody listens; False if not so in seconds.
+        Wait until all bytes are read or the port is closed; False at the timeout in seconds.
 
-        What was sent a moment ago may not be there to be read yet, and is then not seen. A reader
-        that has opened the port for itself alone is given a fixed time instead.
+        Bytes of the last moment may not be readable yet and are missed. If a reader has locked
+        the port, wait for a fixed time instead.
         """
         waited = 0.0
         while self.is_open and (unread := self._unread()):
@@ -95,7 +95,7 @@ class PtyPort:
             self._link.symlink_to(self.path)
 
     def _refuse_foreign(self, link: Path) -> None:
-        """Raise FileExistsError unless a link is what an emulator that was killed has left."""
+        """Raise FileExistsError unless the link is left over from a killed emulator."""
         if not link.is_symlink():
             raise FileExistsError(f'{printable(link)} exists and is not a symbolic link: choose '
                                   'another name')
@@ -108,10 +108,10 @@ class PtyPort:
                                   'or remove the link')
 
     def _unread(self) -> int:
-        """Return how many bytes wait at the other end, if one may look there."""
+        """Return how many bytes are unread at the other end, if it can be opened."""
         try:
             far_end = os.open(self.path, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
-        except OSError:         # the reader has it for itself alone, and we are not root
+        except OSError:         # the reader has locked it, and we are not root
             return _UNKNOWN
         try:
             count, = struct.unpack('i', fcntl.ioctl(far_end, termios.FIONREAD, bytes(4)))
@@ -126,7 +126,7 @@ class PtyPort:
         return bool(poll.poll(timeout * 1e3))
 
     def write(self, data: bytes) -> None:
-        """Send data; wait where the reader is slow. Without a reader it is lost, as on a cable."""
+        """Send data; block while the reader is slow. Without a reader the data is lost."""
         while data and self.is_open:
             try:
                 data = data[os.write(self._fd, data):]
@@ -134,7 +134,7 @@ class PtyPort:
                 self._poll(select.POLLOUT, _READER_POLL_PERIOD)
 
     def write_at_once(self, data: bytes) -> int:
-        """Send what can be sent without waiting; return how much, all if nobody listens."""
+        """Send data without blocking; return how many bytes were sent, all without a reader."""
         if not data or not self.is_open:
             return len(data)
         try:
@@ -143,11 +143,11 @@ class PtyPort:
             return 0
 
     def fileno(self) -> int:
-        """Return the descriptor to wait on for what is sent to the device."""
+        """Return the descriptor that is readable when the host has sent bytes."""
         return self._fd
 
     def read(self, timeout: float = 0.0) -> bytes:
-        """Return what was sent to the device, waiting at most timeout seconds for the first."""
+        """Return bytes of the host, waiting at most timeout seconds for the first."""
         if not self.is_open or not self._poll(select.POLLIN, timeout):
             return b''
         try:
@@ -156,10 +156,10 @@ class PtyPort:
             return b''
 
     def close(self) -> None:
-        """Take the port away, as unplugging an adapter does; once it is, nothing happens."""
+        """Remove the port, as unplugging an adapter does. Calling this again does nothing."""
         if self._fd < 0:
             return
-        # The link first: once the port is closed, its path may be that of somebody else's.
+        # The link first: after closing, another program may get the same path.
         if self._link and self._link.is_symlink() and os.readlink(self._link) == self.path:
             self._link.unlink()
         os.close(self._fd)

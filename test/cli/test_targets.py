@@ -13,7 +13,7 @@ import threading
 from bahrs_driver.cli import report
 from bahrs_driver.cli.main import main
 from bahrs_driver.cli.outputs import output_file
-from bahrs_driver.emulator.bahrs.diagnostics_mode import DiagnosticsMode, ServiceHabits
+from bahrs_driver.emulator.bahrs.diagnostics_mode import DiagnosticsMode, ServiceBehavior
 from bahrs_driver.errors import CommandError
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec
 from bahrs_driver.virtual_serial.pty_port import PtyPort
@@ -22,7 +22,13 @@ import pytest
 from support.emulated import emissions, make_device
 from support.processes import command, PATIENCE
 from support.targets import (
-    EVERY_KIND, IMPOSSIBLE, no_larger_file_than, NOT_REGULAR, REGULAR, snapshot, umask,
+    EVERY_KIND,
+    IMPOSSIBLE,
+    no_larger_file_than,
+    NOT_REGULAR,
+    REGULAR,
+    snapshot,
+    umask,
     unprivileged,
 )
 
@@ -190,7 +196,7 @@ class Memory(threading.Thread):
 
     def run(self):
         """Answer until it is ended."""
-        codec, mode = BahrsCodec(), DiagnosticsMode(ServiceHabits())
+        codec, mode = BahrsCodec(), DiagnosticsMode(ServiceBehavior())
         while not self.ended.is_set():
             data = self._port.read(0.01)
             self.asked = self.asked or bool(data)

@@ -70,9 +70,9 @@ class Run:
         self.paced.close()
 
 
-def session(*scenario, **habits):
+def session(*scenario, **behavior):
     """Return a session with a scenario."""
-    return Session(make_emulation(make_device(**habits)), parse(scenario))
+    return Session(make_emulation(make_device(**behavior)), parse(scenario))
 
 
 def test_it_keeps_time_and_ends_in_time():

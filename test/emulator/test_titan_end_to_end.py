@@ -8,11 +8,18 @@ import math
 from bahrs_driver.convert.axes import flu_to_enu, quaternion_from_euler
 from bahrs_driver.convert.titan_m.converter import TOPICS
 from bahrs_driver.emulator.flights import Flight, SteadyTurn
-from bahrs_driver.emulator.noise import DEVIATIONS, Noise
+from bahrs_driver.emulator.measurement_errors import DEVIATIONS, MeasurementErrors
 from bahrs_driver.emulator.titan_m.measurements import HIGHEST_DIFFERENCE
 from bahrs_driver.protocol.titan_m.messages import (
-    ADC_FORCE, ADC_RATE_DEG, DIFFERENTIAL_PRESSURE, FIELD, GpsRequest, PRESSURE,
-    SensorsRequest, StateRequest, TitanAnswer,
+    ADC_FORCE,
+    ADC_RATE_DEG,
+    DIFFERENTIAL_PRESSURE,
+    FIELD,
+    GpsRequest,
+    PRESSURE,
+    SensorsRequest,
+    StateRequest,
+    TitanAnswer,
 )
 from bahrs_driver.protocol.titan_m.poller import PollOptions
 from bahrs_driver.virtual_serial.cable import AT_ONCE
@@ -137,7 +144,8 @@ def test_a_whole_flight_across_the_equator_and_a_zone_border(payload, checksum, 
 def test_rates_are_kept_and_losses_counted_with_one_in_a_hundred_damaged(length, mode, options):
     """Of 50 Hz, 50 Hz and 10 Hz at 115200 baud; and no answer is taken for another."""
     seconds = 60.0
-    device = make_titan(SteadyTurn(), (0.0, 6.0), Noise(1, DEVIATIONS), sensors_length=length)
+    device = make_titan(SteadyTurn(), (0.0, 6.0), MeasurementErrors(1, DEVIATIONS),
+                        sensors_length=length)
     polled = PolledDevice(device, mode=mode, faults=ONE_IN_A_HUNDRED, options=options)
     polled.run(seconds)
     poller = polled.poller

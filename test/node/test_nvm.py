@@ -13,7 +13,7 @@ import subprocess
 import time
 
 from bahrs_driver.convert.bahrs.converter import TOPICS
-from bahrs_driver.emulator.bahrs.diagnostics_mode import DiagnosticsMode, ServiceHabits
+from bahrs_driver.emulator.bahrs.diagnostics_mode import DiagnosticsMode, ServiceBehavior
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import Acknowledgement, EnterDiagnostics
 from bahrs_driver.protocol.framing import Framer
@@ -333,7 +333,8 @@ class Silent(StoppableThread):
     def __init__(self, cable):
         """Make it, to be started."""
         super().__init__()
-        self._cable, self._mode = cable, DiagnosticsMode(ServiceHabits(image=IMAGE, timeout=3600))
+        self._cable = cable
+        self._mode = DiagnosticsMode(ServiceBehavior(image=IMAGE, timeout=3600))
 
     @property
     def active(self):

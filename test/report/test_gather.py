@@ -3,7 +3,7 @@
 """Tests of what is read out of a recording, and what is said about it."""
 
 from bahrs_driver.bag.read_capture import read_capture
-from bahrs_driver.emulator.noise import Noise
+from bahrs_driver.emulator.measurement_errors import MeasurementErrors
 from bahrs_driver.protocol.bahrs.messages import Inertial
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.report.clock import analyze_clock
@@ -151,9 +151,9 @@ def test_integrity_in_words():
 
 def test_saturation():
     """What is at the limit of its range is told."""
-    loud = Noise(1, {'angular_rate': 3.0}, {'angular_rate': (5.0, 0.0, 0.0)})
+    loud = MeasurementErrors(1, {'angular_rate': 3.0}, {'angular_rate': (5.0, 0.0, 0.0)})
     assert 'The angular rate is at the limit of its range' in said(
-        recorded(make_emulation(make_device(noise=loud))), WARNING)
+        recorded(make_emulation(make_device(errors=loud))), WARNING)
 
 
 def test_a_restart():

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 from bahrs_driver.bag.read_capture import read_capture
 from bahrs_driver.emulator.flights import SteadyTurn
-from bahrs_driver.emulator.noise import DEVIATIONS, Noise
+from bahrs_driver.emulator.measurement_errors import DEVIATIONS, MeasurementErrors
 from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.bahrs.messages import SoftwareVersion
 from bahrs_driver.report.gather import gather
@@ -61,7 +61,7 @@ class Outline(HTMLParser):
 def at_rest():
     """Return the page of a device that stands still, with noise."""
     return Outline(''.join(page(recorded(make_emulation(make_device(
-        noise=Noise(1, DEVIATIONS), version=3)), seconds=75.0))))
+        errors=MeasurementErrors(1, DEVIATIONS), version=3)), seconds=75.0))))
 
 
 def test_every_part_is_there(at_rest):

@@ -7,7 +7,12 @@ from bahrs_driver.clock import Instant
 from bahrs_driver.pipeline import Pipeline
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import (
-    Inertial, InertialTime, Navigation, NavigationTime, SoftwareVersion, SyncPulseTime,
+    Inertial,
+    InertialTime,
+    Navigation,
+    NavigationTime,
+    SoftwareVersion,
+    SyncPulseTime,
 )
 from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Framer
@@ -135,9 +140,9 @@ def test_the_whole_recording(recording):
     check(stamped(data), data, truth)
 
 
-def emulated(seconds, restarts=(), loss=0.0, damage=0.0, seed=1, forget=(), **habits):
+def emulated(seconds, restarts=(), loss=0.0, damage=0.0, seed=1, forget=(), **behavior):
     """Return the bytes of an emulated device, and (epoch, device time) of its samples."""
-    device = make_device(seed=seed, pulse_rate=3.0, drift_ppm=50.0, **habits)
+    device = make_device(seed=seed, pulse_rate=3.0, drift_ppm=50.0, **behavior)
     faults = Faults(seed, {'drop_frame': loss, 'bit_flip': damage})
     data, truth, ends = b'', {}, [*restarts, seconds]
     for epoch, end in enumerate(ends):

@@ -8,7 +8,11 @@ import random
 from bahrs_driver.clock import Instant
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import (
-    Inertial, InertialTime, Navigation, NavigationTime, SyncPulseTime,
+    Inertial,
+    InertialTime,
+    Navigation,
+    NavigationTime,
+    SyncPulseTime,
 )
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.units import byte_time_ns, NS_PER_S
@@ -59,9 +63,9 @@ def through(emissions, adapter, seed=1):
     return [(time, data) for time, data in reads if data]
 
 
-def emulated(seconds=6.0, adapter='none', restarts=(), loss=0.0, damage=0.0, seed=1, **habits):
+def emulated(seconds=6.0, adapter='none', restarts=(), loss=0.0, damage=0.0, seed=1, **behavior):
     """Return the stream of an emulated device."""
-    device = make_device(seed=seed, pulse_rate=3.0, drift_ppm=50.0, **habits)
+    device = make_device(seed=seed, pulse_rate=3.0, drift_ppm=50.0, **behavior)
     faults = Faults(seed, {'drop_frame': loss, 'bit_flip': damage})
     truth, sent, offset = {}, [], 0
     for power_on, end in enumerate([*restarts, seconds]):

@@ -4,14 +4,14 @@
 
 from typing import Any
 
-from bahrs_driver.emulator.bahrs.device import BahrsDevice, BahrsHabits
+from bahrs_driver.emulator.bahrs.device import BahrsBehavior, BahrsDevice
 from bahrs_driver.emulator.bahrs.pulses import Pulses
 from bahrs_driver.emulator.device import Emission
 from bahrs_driver.emulator.device_clock import DeviceClock
-from bahrs_driver.emulator.emulation import Emulation, Sent
+from bahrs_driver.emulator.emulation import Emulation, SentFrame
 from bahrs_driver.emulator.flights import Still
+from bahrs_driver.emulator.measurement_errors import MeasurementErrors
 from bahrs_driver.emulator.motion import Motion
-from bahrs_driver.emulator.noise import Noise
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import BahrsMessage
 from bahrs_driver.protocol.framing import Framer
@@ -21,11 +21,13 @@ from bahrs_driver.virtual_serial.faults import Faults
 BAUD_RATE = 115200
 
 
-def make_device(motion: Motion | None = None, seed: int = 1, noise: Noise | None = None,
+def make_device(motion: Motion | None = None, seed: int = 1,
+                errors: MeasurementErrors | None = None,
                 drift_ppm: float = 0.0, wander_ppm: float = 0.0, pulse_rate: float = 0.0,
-                **habits: Any) -> BahrsDevice:
+                **behavior: Any) -> BahrsDevice:
     """Return a device that is at rest and measures without error, unless told otherwise."""
-    return BahrsDevice(BahrsHabits(**habits), motion or Still(), noise or Noise(seed),
+    return BahrsDevice(BahrsBehavior(**behavior), motion or Still(),
+                       errors or MeasurementErrors(seed),
                        DeviceClock(seed, drift_ppm, wander_ppm), Pulses(pulse_rate))
 
 
@@ -44,7 +46,7 @@ def emissions(device: BahrsDevice, until: float) -> list[Emission]:
     return sent
 
 
-def on_the_wire(emulation: Emulation, until: float) -> tuple[list[Sent], bytes]:
+def on_the_wire(emulation: Emulation, until: float) -> tuple[list[SentFrame], bytes]:
     """Return what was sent up to a time in seconds, and the bytes that came of it."""
     sent = list(emulation.advance(until))
     return sent, emulation.take(until + 10.0)

@@ -5,12 +5,12 @@
 from typing import Any
 
 from bahrs_driver.clock import ExchangeClock, Instant, Stamped
-from bahrs_driver.emulator.emulation import Emulation, Sent
+from bahrs_driver.emulator.emulation import Emulation, SentFrame
 from bahrs_driver.emulator.flights import Still
 from bahrs_driver.emulator.ground_path import GroundPath
+from bahrs_driver.emulator.measurement_errors import MeasurementErrors
 from bahrs_driver.emulator.motion import Motion
-from bahrs_driver.emulator.noise import Noise
-from bahrs_driver.emulator.titan_m.device import TitanDevice, TitanHabits
+from bahrs_driver.emulator.titan_m.device import TitanBehavior, TitanDevice
 from bahrs_driver.emulator.titan_m.measurements import TitanMeasures
 from bahrs_driver.pipeline import Pipeline
 from bahrs_driver.protocol.framing import Frame, Framer
@@ -18,7 +18,10 @@ from bahrs_driver.protocol.titan_m.byte_order import PayloadDecoder
 from bahrs_driver.protocol.titan_m.decoder import TitanDecoder
 from bahrs_driver.protocol.titan_m.frames import Answer, AnswerFormat, REQUEST_SIZE
 from bahrs_driver.protocol.titan_m.messages import (
-    GpsRequest, SensorsRequest, StateRequest, TitanAnswer,
+    GpsRequest,
+    SensorsRequest,
+    StateRequest,
+    TitanAnswer,
 )
 from bahrs_driver.protocol.titan_m.poller import Poller, PollOptions
 from bahrs_driver.units import BITS_PER_BYTE, byte_time_ns
@@ -32,10 +35,12 @@ HOST_LATENCY = 0.0003       # s, from when something can be done until the host 
 
 
 def make_titan(motion: Motion | None = None, start: tuple[float, float] = (47.0, 11.0),
-               noise: Noise | None = None, seed: int = 1, **habits: Any) -> TitanDevice:
+               errors: MeasurementErrors | None = None, seed: int = 1,
+               **behavior: Any) -> TitanDevice:
     """Return a device that is at rest and measures without error, unless told otherwise."""
-    measures = TitanMeasures(GroundPath(motion or Still(), *start), noise or Noise(seed))
-    return TitanDevice(TitanHabits(**habits), measures, BITS_PER_BYTE / BAUD_RATE, seed)
+    measures = TitanMeasures(GroundPath(motion or Still(), *start),
+                             errors or MeasurementErrors(seed))
+    return TitanDevice(TitanBehavior(**behavior), measures, BITS_PER_BYTE / BAUD_RATE, seed)
 
 
 class _RecordingDecoder(TitanDecoder):
@@ -75,7 +80,7 @@ class PolledDevice:
         self.requested: dict[int, int] = {}
         self.pipeline = Pipeline(Framer(self.format), _RecordingDecoder(
             PayloadDecoder(), self.poller, self.requested), ExchangeClock(REQUEST_SIZE))
-        self.sent: list[Sent] = []
+        self.sent: list[SentFrame] = []
         self.received: list[tuple[float, Stamped]] = []
         self.chunks: list[tuple[float, bytes]] = []
         self.asked_bytes = 0

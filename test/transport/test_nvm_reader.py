@@ -9,7 +9,7 @@ import threading
 import time
 import tracemalloc
 
-from bahrs_driver.emulator.bahrs.diagnostics_mode import DiagnosticsMode, ServiceHabits
+from bahrs_driver.emulator.bahrs.diagnostics_mode import DiagnosticsMode, ServiceBehavior
 from bahrs_driver.errors import LinkError, NvmError
 from bahrs_driver.protocol.bahrs import nvm_session
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec
@@ -29,9 +29,9 @@ PATIENT = SessionOptions(enter_timeout=LONG)
 class Device:
     """A link with a device at its end; one thread hands in its answers, in order."""
 
-    def __init__(self, **habits):
+    def __init__(self, **behavior):
         """Answer at once, until silent is set."""
-        self._mode = DiagnosticsMode(ServiceHabits(image=IMAGE, timeout=LONG, **habits))
+        self._mode = DiagnosticsMode(ServiceBehavior(image=IMAGE, timeout=LONG, **behavior))
         self._codec = BahrsCodec()
         self._answers = queue.Queue()
         self._receiver = threading.Thread(target=self._receive)
@@ -80,7 +80,7 @@ class Device:
 def made():
     """Give a function that makes a device."""
     with contextlib.ExitStack() as stack:
-        yield lambda **habits: stack.enter_context(Device(**habits))
+        yield lambda **behavior: stack.enter_context(Device(**behavior))
 
 
 @pytest.fixture

@@ -4,14 +4,14 @@
 
 import argparse
 
-from bahrs_driver.emulator.bahrs.device import BahrsDevice, BahrsHabits, START_UPS
-from bahrs_driver.emulator.bahrs.diagnostics_mode import INACTIVITY, ServiceHabits
+from bahrs_driver.emulator.bahrs.device import BahrsBehavior, BahrsDevice, START_UPS
+from bahrs_driver.emulator.bahrs.diagnostics_mode import INACTIVITY, ServiceBehavior
 from bahrs_driver.emulator.bahrs.nvm_image import made_up_image, SIZE
 from bahrs_driver.emulator.bahrs.pulses import Pulses
 from bahrs_driver.emulator.device_clock import DeviceClock
 from bahrs_driver.emulator.host_time import HostTime
+from bahrs_driver.emulator.measurement_errors import MeasurementErrors
 from bahrs_driver.emulator.motion import Motion
-from bahrs_driver.emulator.noise import Noise
 from bahrs_driver.process.argument_types import argument_type, bounded_float, open_input
 from bahrs_driver.process.text_values import whole
 from bahrs_driver.protocol.bahrs.messages import VERSIONS
@@ -25,15 +25,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     _add_service(parser)
 
 
-def make_device(options: argparse.Namespace, motion: Motion, noise: Noise,
+def make_device(options: argparse.Namespace, motion: Motion, errors: MeasurementErrors,
                 zero: HostTime) -> BahrsDevice:
     """Return the device that the options describe, on a host whose clocks are so at time 0."""
-    habits = BahrsHabits(
+    behavior = BahrsBehavior(
         options.protocol_version, options.crc, options.time_label, options.start_up,
         options.debug_rate, options.output_delay / 1000, _service(options))
     clock = DeviceClock(options.seed, options.drift_ppm, options.wander_ppm, options.clock_start)
     pulses = Pulses(options.sync_pulse_rate, origin=-(zero.unix_ns % NS_PER_S) / NS_PER_S)
-    return BahrsDevice(habits, motion, noise, clock, pulses)
+    return BahrsDevice(behavior, motion, errors, clock, pulses)
 
 
 def _add_device(parser: argparse.ArgumentParser) -> None:
@@ -87,8 +87,8 @@ def _add_service(parser: argparse.ArgumentParser) -> None:
                             'them, or yes, as the document says (default: %(default)s)')
 
 
-def _service(options: argparse.Namespace) -> ServiceHabits:
-    return ServiceHabits(
+def _service(options: argparse.Namespace) -> ServiceBehavior:
+    return ServiceBehavior(
         'crc32' if options.service_crc == 'crc32' else 'byte', options.service_padding == 'yes',
         options.nvm_window, options.nvm_error_pages, options.nvm or made_up_image(),
         options.nvm_timeout)

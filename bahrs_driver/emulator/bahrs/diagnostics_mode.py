@@ -1,15 +1,14 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The diagnostics mode of a BAHRS, in which it answers instead of streaming. No I/O.
+The diagnostics mode of a BAHRS, in which the device answers instead of streaming. No I/O.
 
     0xF0 enter         -> 0xFF acknowledgement of 0xF0
     0xF2 read page     -> 0xF3 the page, or 0xFF with status 0xFF
     0xF1 exit          -> 0xFF acknowledgement of 0xF1, and the stream goes on
 
-A device that hears no request for its time-out leaves the mode by itself. One that is in no
-diagnostics mode takes no notice of 0xF1 and 0xF2, and none ever of a frame that is of another
-variant than its own.
+Without a request for its time-out, the device leaves the mode by itself. Outside the mode it
+ignores 0xF1 and 0xF2, and it always ignores frames of another variant than its own.
 """
 
 from dataclasses import dataclass, field
@@ -29,7 +28,7 @@ from bahrs_driver.protocol.bahrs.messages import (
 from bahrs_driver.protocol.bahrs.nvm_session import PAGES
 from bahrs_driver.protocol.framing import Frame, Framer
 
-INACTIVITY = 5.0                # s without a request, as the document has it
+INACTIVITY = 5.0                # s without a request, by the document
 POWER_ON_WINDOW = 0.5           # s
 OK, FAILED = 0x00, 0xFF
 
@@ -38,11 +37,11 @@ _BARE_SIZE = frame_size(0, padded=False)
 
 
 @dataclass(frozen=True)
-class ServiceHabits:
-    """What differs between one device and another in diagnostics mode."""
+class ServiceBehavior:
+    """Properties of a device in diagnostics mode."""
 
-    checksum: ServiceChecksum = 'crc32'     # as the maker's tool, or MPEG-2 as the document
-    padded: bool = False                    # whether 0xF0 and 0xF1 are, as the document says
+    checksum: ServiceChecksum = 'crc32'     # as the maker's tool, or byte by the document
+    padded: bool = False                    # 0xF0 and 0xF1, by the document
     window: Literal['always', 'power-on'] = 'always'
     error_pages: frozenset[int] = frozenset()
     image: bytes = field(default_factory=made_up_image)
@@ -50,25 +49,25 @@ class ServiceHabits:
 
 
 class DiagnosticsMode:
-    """Hears requests and answers them. All times are true ones, in seconds."""
+    """Answers requests. All times are true times in seconds."""
 
-    def __init__(self, habits: ServiceHabits) -> None:
-        self._habits = habits
+    def __init__(self, behavior: ServiceBehavior) -> None:
+        self._behavior = behavior
         self._codec = BahrsCodec()
         self.restart(0.0)
 
     def restart(self, time: float) -> None:
-        """Forget everything, as power-on makes it."""
+        """Restart as after power-on."""
         self._framer = Framer(BahrsFormat())
         self._power_on = time
-        self._heard = -math.inf         # the last request, while in the mode
+        self._heard = -math.inf         # time of the last request, in the mode
 
     def active(self, time: float) -> bool:
-        """Whether the device is in diagnostics mode."""
-        return time < self._heard + self._habits.timeout
+        """Return whether the device is in diagnostics mode."""
+        return time < self._heard + self._behavior.timeout
 
     def receive(self, data: bytes, time: float) -> list[BahrsMessage]:
-        """Take what the host sent, and return the answers."""
+        """Receive bytes from the host and return the answers."""
         requests = [self._codec.decode(frame) for frame in self._framer.feed(data)
                     if self._is_own_variant(frame)]
         answers = [self._answer(request, time) for request in requests]
@@ -77,9 +76,9 @@ class DiagnosticsMode:
     def _is_own_variant(self, frame: Frame) -> bool:
         kind = frame.data[4]
         if kind in (EnterDiagnostics.TYPE, ExitDiagnostics.TYPE):
-            if (len(frame.data) > _BARE_SIZE) != self._habits.padded:
+            if (len(frame.data) > _BARE_SIZE) != self._behavior.padded:
                 return False
-        return frame.checksum == self._habits.checksum
+        return frame.checksum == self._behavior.checksum
 
     def _answer(self, request: BahrsMessage, time: float) -> BahrsMessage | None:
         if isinstance(request, EnterDiagnostics):
@@ -95,13 +94,13 @@ class DiagnosticsMode:
         return None
 
     def _enter(self, time: float) -> BahrsMessage | None:
-        in_window = self._habits.window == 'always' or time <= self._power_on + POWER_ON_WINDOW
+        in_window = self._behavior.window == 'always' or time <= self._power_on + POWER_ON_WINDOW
         if not in_window and not self.active(time):
             return None
         self._heard = time
         return Acknowledgement(EnterDiagnostics.TYPE, OK)
 
     def _read(self, number: int) -> BahrsMessage:
-        if number >= PAGES or number in self._habits.error_pages:
+        if number >= PAGES or number in self._behavior.error_pages:
             return Acknowledgement(NvmReadRequest.TYPE, FAILED)
-        return NvmPage(number, page(self._habits.image, number))
+        return NvmPage(number, page(self._behavior.image, number))

@@ -1,9 +1,14 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is in the non-volatile memory of an emulated BAHRS: made up, in the real format 1.1."""
+"""An invented image of the non-volatile memory of a BAHRS, in the real format 1.1."""
 
 from bahrs_driver.protocol.bahrs.nvm_image import (
-    Assertions, build, Can, FormatVersion, Installation, Magnetometer,
+    Assertions,
+    build,
+    Can,
+    FormatVersion,
+    Installation,
+    Magnetometer,
 )
 from bahrs_driver.protocol.bahrs.nvm_session import PAGE_SIZE, PAGES
 
@@ -12,7 +17,7 @@ _ASSERTION = 'Emulator.cpp:1 assert(device is real)\n'
 
 
 def made_up_image() -> bytes:
-    """Return a whole image."""
+    """Return a complete image."""
     blocks = build(
         FormatVersion(1, 1),
         Installation(0.02, -0.01, 0.0),

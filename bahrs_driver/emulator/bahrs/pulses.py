@@ -4,25 +4,25 @@
 
 import math
 
-LEAST_DISTANCE = 0.09       # s; a device ignores a pulse that comes sooner after one it took
+LEAST_DISTANCE = 0.09       # s; the device ignores a pulse that follows sooner
 
 
 class Pulses:
-    """A pulse at every whole multiple of a period, of a time whose zero may be elsewhere."""
+    """Pulses at whole multiples of a period, relative to an origin."""
 
     def __init__(self, rate: float, origin: float = 0.0) -> None:
-        """Take the rate in Hz, 0 for no pulses, and any time in seconds that has a pulse."""
+        """Set the rate in Hz, 0 for no pulses, and the time of any pulse in seconds."""
         self.rate = rate
         self._origin = origin
         self._seen_until = -math.inf
         self._taken = -math.inf
 
     def skip_until(self, time: float) -> None:
-        """Let the pulses up to this time pass unseen."""
+        """Ignore the pulses up to a time."""
         self._seen_until = time
 
     def latest(self, time: float) -> float | None:
-        """Return the time of the last pulse up to now, unless it was seen or came too soon."""
+        """Return the time of the latest pulse; None if it is not new or followed too soon."""
         seen_until, self._seen_until = self._seen_until, time
         if not self.rate:
             return None

@@ -1,22 +1,22 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a BAHRS says of its samples, and in which order, as a recording of a real one shows.
+The messages of a BAHRS about its samples, in the order that a recording of a real one shows.
 
     inertial      0    1  2       3  4              19  20
     navigation    0       1          2       ...        10       every second inertial message
     time          5 3 4                                 5 3 4    every twentieth
 
-A navigation message and the inertial one before it are of the same instant. Time messages carry
-the time of the sample just sent and, by a quirk of the real device, the counter of the next.
+A navigation message and the inertial message before it belong to the same instant. Time messages
+carry the time of the latest sample and, by a quirk of the real device, the counter of the next.
 """
 
 from collections.abc import Iterator, Mapping
 import math
 from typing import Literal, NamedTuple
 
+from bahrs_driver.emulator.measurement_errors import MeasurementErrors, Values
 from bahrs_driver.emulator.motion import Truth, TURN
-from bahrs_driver.emulator.noise import Noise, Values
 from bahrs_driver.protocol.bahrs.messages import (
     Accuracy,
     ANGLE,
@@ -39,38 +39,38 @@ INERTIAL_PERIOD_US = 5000
 INERTIAL_PER_NAVIGATION = 2
 NAVIGATION_PER_TIME = 10
 SIGNALS = Inertial.SIGNALS + Navigation.SIGNALS
-UNALIGNED = 8               # navigation messages after power-on that have nothing to say
+UNALIGNED = 8               # navigation messages without data after power-on
 
 FORCE_LIMIT, RATE_LIMIT, VELOCITY_LIMIT = 32767 * FORCE_2, 32767 * RATE_2, 32767 * VELOCITY
 _LOWEST, _HIGHEST = HEIGHT_OFFSET, HEIGHT_OFFSET + 65535 * HEIGHT
 _UNAVAILABLE = (Integrity.UNAVAILABLE,) * len(Navigation.SIGNALS)
 
-# What a device sends in place of a signal that is unavailable: raw zeros.
+# A device sends raw zeros in place of an unavailable signal.
 _NO_INERTIAL = (0.0,) * len(Inertial.SIGNALS)
 _NO_NAVIGATION = (HEIGHT_OFFSET, 0.0, 0.0, 0.0, 0.0)
 
-# At power-on, and what it settles to (rad); it shrinks as with the number of measurements.
+# rad, at power-on and at least; it shrinks with the number of measurements.
 _FIRST_DEVIATION = 0.091
 _LEAST_ATTITUDE_DEVIATION, _LEAST_HEADING_DEVIATION = 0.005, 0.0175
 
 TimeLabel = Literal['next', 'same']
 
 
-class Said(NamedTuple):
-    """A message, the truth that it is about, by the names of its fields, and when that was so."""
+class SimulatedMessage(NamedTuple):
+    """A message, the true values of its fields, and the time at which they held."""
 
     message: BahrsMessage
     truth: Mapping[str, object] = {}
-    time: float | None = None       # None: that of the sample
+    time: float | None = None       # None: time of the sample
 
 
 class BahrsStream:
-    """The messages of one power-on, sample by sample."""
+    """Makes the messages from power-on on, sample by sample."""
 
-    def __init__(self, version: int, time_label: TimeLabel, noise: Noise) -> None:
+    def __init__(self, version: int, time_label: TimeLabel, errors: MeasurementErrors) -> None:
         self._version = version
         self._label = 1 if time_label == 'next' else 0
-        self._noise = noise
+        self._errors = errors
         self._health = dict.fromkeys(SIGNALS, Integrity.SAFE)
         self._inertial_health: Health = ()
         self._navigation_health: Health = ()
@@ -78,23 +78,23 @@ class BahrsStream:
         self.restart()
 
     def restart(self) -> None:
-        """Begin anew, as power-on makes it. The integrity that was commanded stays."""
+        """Restart as after power-on. The commanded integrity remains."""
         self._count = 0
 
     @property
     def count(self) -> int:
-        """How many samples were told since power-on."""
+        """Samples since power-on."""
         return self._count
 
     def set_integrity(self, signals: tuple[str, ...],
                       integrity: Integrity = Integrity.SAFE) -> None:
-        """Declare what signals are worth from the next sample on."""
+        """Set the integrity of signals from the next sample on."""
         self._health.update(dict.fromkeys(signals, integrity))
         self._inertial_health = tuple(self._health[name] for name in Inertial.SIGNALS)
         self._navigation_health = tuple(self._health[name] for name in Navigation.SIGNALS)
 
-    def sample(self, truth: Truth, device_time_us: int) -> Iterator[Said]:
-        """Return the messages about the next sample, in the order of the wire."""
+    def sample(self, truth: Truth, device_time_us: int) -> Iterator[SimulatedMessage]:
+        """Return the messages about the next sample, in the order of transmission."""
         count, navigation = self._count, self._count // INERTIAL_PER_NAVIGATION
         self._count += 1
         with_navigation = count % INERTIAL_PER_NAVIGATION == 0
@@ -108,31 +108,31 @@ class BahrsStream:
             aligned = navigation >= UNALIGNED
             yield self._accuracy(navigation, device_time_us if aligned else 0)
             yield self._time(NavigationTime, navigation, device_time_us) if aligned \
-                else Said(NavigationTime(0, 0, 0))
+                else SimulatedMessage(NavigationTime(0, 0, 0))
 
-    def _inertial(self, count: int, truth: Truth) -> Said:
+    def _inertial(self, count: int, truth: Truth) -> SimulatedMessage:
         force = self._vector('specific_force', truth.specific_force, FORCE_LIMIT)
         rate = self._vector('angular_rate', truth.angular_rate, RATE_LIMIT)
         values = _masked(force + rate, self._inertial_health, _NO_INERTIAL)
-        return Said(
+        return SimulatedMessage(
             Inertial(count % COUNTER_MODULUS, _vector(values[:3]), _vector(values[3:]),
                      self._inertial_health),
             {'specific_force': truth.specific_force, 'angular_rate': truth.angular_rate})
 
-    def _navigation(self, count: int, truth: Truth) -> Said:
+    def _navigation(self, count: int, truth: Truth) -> SimulatedMessage:
         health = self._navigation_health if count >= UNALIGNED else _UNAVAILABLE
         height, velocity, roll, pitch, heading = _masked(
             self._navigation_values(truth), health, _NO_NAVIGATION)
-        return Said(
+        return SimulatedMessage(
             Navigation(count % COUNTER_MODULUS, height, velocity, roll, pitch, heading, health),
             {'pressure_height': truth.pressure_height, 'velocity_down': truth.velocity_down,
              'roll': truth.roll, 'pitch': truth.pitch, 'magnetic_heading': truth.heading})
 
     def _vector(self, quantity: str, true: Vector, limit: float) -> Values:
-        return tuple(max(-limit, min(limit, value)) for value in self._noise.add(quantity, true))
+        return tuple(max(-limit, min(limit, value)) for value in self._errors.add(quantity, true))
 
     def _navigation_values(self, truth: Truth) -> Values:
-        add = self._noise.add
+        add = self._errors.add
         height, = add('pressure_height', (truth.pressure_height,))
         velocity, = add('velocity_down', (truth.velocity_down,))
         roll, pitch, heading = add('attitude', (truth.roll, truth.pitch, truth.heading))
@@ -141,26 +141,27 @@ class BahrsStream:
                 _half_turn(roll), _half_turn(pitch),
                 _half_turn(heading) if self._version == 1 else heading % TURN)
 
-    def _accuracy(self, navigation: int, device_time_us: int) -> Said:
+    def _accuracy(self, navigation: int, device_time_us: int) -> SimulatedMessage:
         index = navigation // NAVIGATION_PER_TIME
         if not device_time_us:
-            return Said(Accuracy(index % COUNTER_MODULUS, None, None, None, 0))
+            return SimulatedMessage(Accuracy(index % COUNTER_MODULUS, None, None, None, 0))
         deviation = _FIRST_DEVIATION / math.sqrt(max(1, index))
         attitude = max(_LEAST_ATTITUDE_DEVIATION, deviation)
         heading = max(_LEAST_HEADING_DEVIATION, deviation)
-        return Said(Accuracy(index % COUNTER_MODULUS, attitude, attitude, heading,
-                             device_time_us))
+        return SimulatedMessage(Accuracy(
+            index % COUNTER_MODULUS, attitude, attitude, heading, device_time_us))
 
     def _time(self, kind: type[InertialTime] | type[NavigationTime], count: int,
-              device_time_us: int) -> Said:
+              device_time_us: int) -> SimulatedMessage:
         every = NAVIGATION_PER_TIME * (
             INERTIAL_PER_NAVIGATION if kind is InertialTime else 1)
-        return Said(kind(count // every % COUNTER_MODULUS,
-                         (count + self._label) % COUNTER_MODULUS, device_time_us))
+        return SimulatedMessage(kind(
+            count // every % COUNTER_MODULUS, (count + self._label) % COUNTER_MODULUS,
+            device_time_us))
 
 
 def _masked(values: Values, health: Health, blank: Values) -> Values:
-    """Return the values with something else where there is no signal."""
+    """Return the values, with blanks in place of unavailable signals."""
     if Integrity.UNAVAILABLE not in health:
         return values
     return tuple(value if integrity else nothing
@@ -173,6 +174,6 @@ def _vector(values: Values) -> Vector:
 
 
 def _half_turn(angle: float) -> float:
-    """Return the same angle between -pi and pi, as far as its field reaches."""
+    """Return the angle between -pi and pi, limited to the range of its field."""
     limit = 32767 * ANGLE
     return max(-limit, min(limit, math.remainder(angle, TURN)))

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""A Titan-M in simulated time: what it answers, and when. No I/O."""
+"""A Titan-M in simulated time. No I/O."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -24,12 +24,12 @@ from bahrs_driver.units import NS_PER_S
 
 
 @dataclass(frozen=True)
-class TitanHabits:
-    """What differs between one Titan-M and another; times in s."""
+class TitanBehavior:
+    """Properties of a device; times in s."""
 
     payload_order: ByteOrder = 'little'
     checksum_order: ByteOrder = 'big'
-    request_order: OrderChoice = 'auto'     # of the checksums that it takes
+    request_order: OrderChoice = 'auto'     # of the checksums that it accepts
     sensors_length: int = Sensors.LENGTHS[0]
     returns_id: bool = True                 # or always answers with id 0
     answer_delay: float = 0.0005            # from a request to its answer
@@ -37,40 +37,40 @@ class TitanHabits:
     late_delay: float = 0.1
     start_up: float = 1.0                   # of silence after power-on
     first_fix: float = 0.0                  # after the start-up
-    # Hz by kind of answer: as if somebody asked, for recordings that nobody asks for.
+    # Hz by kind of answer: sent without requests, into a file.
     by_itself: Mapping[type[TitanAnswer], float] = field(default_factory=dict)
 
 
 class TitanDevice(EmulatedDevice):
     """
-    A Titan-M that is on from time 0. All times are true ones, in seconds.
+    A Titan-M that is switched on at time 0.
 
-    `misunderstood` counts the bytes from the host that were no request.
+    `misunderstood` counts the bytes from the host that belong to no request.
     """
 
-    def __init__(self, habits: TitanHabits, measures: TitanMeasures, byte_time: float,
+    def __init__(self, behavior: TitanBehavior, measures: TitanMeasures, byte_time: float,
                  seed: int = 1) -> None:
-        self._habits = habits
+        self._behavior = behavior
         self._measures = measures
         self._request_time = REQUEST_SIZE * byte_time
         self._random = random.Random(f'late {seed}')
-        self._schedule = Schedule(habits.by_itself)
+        self._schedule = Schedule(behavior.by_itself)
         self._schedule.start(0)
         self.power_cycle(0.0)
 
     @property
     def next_time(self) -> float:
-        """When step() is due: only if it speaks by itself."""
+        """Time of the next step(); infinite if the device only answers."""
         due = self._schedule.next_after(-1)
         return math.inf if due is None else due / NS_PER_S
 
     @property
     def misunderstood(self) -> int:
-        """How many bytes from the host were no request."""
+        """Bytes from the host that belong to no request."""
         return self._requests.counters.skipped_bytes
 
     def step(self) -> list[Emission]:
-        """Answer what is due at next_time as if it had been asked for."""
+        """Advance to next_time and return the answers that are sent without a request."""
         time = self.next_time
         emissions = []
         for kind in self._schedule.due(round(time * NS_PER_S)):
@@ -80,7 +80,7 @@ class TitanDevice(EmulatedDevice):
         return emissions
 
     def receive(self, data: bytes, time: float) -> list[Emission]:
-        """Take what the host sent, and return the answers."""
+        """Receive bytes from the host and return the answers."""
         if time < self._ready:
             return []
         return [self._answer(request_of(frame).ANSWER, message_id(frame),
@@ -89,17 +89,17 @@ class TitanDevice(EmulatedDevice):
 
     def power_cycle(self, time: float) -> None:
         """Switch off and on again."""
-        self._requests = Framer(RequestFormat(self._habits.request_order))
+        self._requests = Framer(RequestFormat(self._behavior.request_order))
         self._measures.restart()
-        self._ready = time + (self._habits.start_up if time else 0.0)
+        self._ready = time + (self._behavior.start_up if time else 0.0)
 
     def _answer(self, kind: type[TitanAnswer], request_id: int, time: float) -> Emission:
-        habits = self._habits
-        has_fix = time >= self._ready + habits.first_fix
+        behavior = self._behavior
+        has_fix = time >= self._ready + behavior.first_fix
         message, truth = self._measures.measure(kind, time, has_fix)
-        length = habits.sensors_length if kind is Sensors else None
-        frame = build_answer(message, request_id if habits.returns_id else 0,
-                             habits.payload_order, habits.checksum_order, length)
-        late = habits.late_share and self._random.random() < habits.late_share
-        return Emission(time + (habits.late_delay if late else habits.answer_delay), frame,
+        length = behavior.sensors_length if kind is Sensors else None
+        frame = build_answer(message, request_id if behavior.returns_id else 0,
+                             behavior.payload_order, behavior.checksum_order, length)
+        late = behavior.late_share and self._random.random() < behavior.late_share
+        return Emission(time + (behavior.late_delay if late else behavior.answer_delay), frame,
                         kind.NAME, truth, time)

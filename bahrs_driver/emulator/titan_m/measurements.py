@@ -1,17 +1,23 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a Titan-M measures on its way, as the messages that it answers with."""
+"""Measurements of a Titan-M along a path, as answers."""
 
 from collections.abc import Callable, Mapping
 import math
 from typing import NamedTuple
 
-from bahrs_driver.emulator.ground_path import GroundPath, Place
+from bahrs_driver.emulator.ground_path import GeodeticPosition, GroundPath
+from bahrs_driver.emulator.measurement_errors import MeasurementErrors, Values
 from bahrs_driver.emulator.motion import Truth
-from bahrs_driver.emulator.noise import Noise, Values
 from bahrs_driver.protocol.layout import Vector
 from bahrs_driver.protocol.titan_m.messages import (
-    ADC_FORCE, ADC_RATE_DEG, FIELD, Gps, Sensors, State, TitanAnswer,
+    ADC_FORCE,
+    ADC_RATE_DEG,
+    FIELD,
+    Gps,
+    Sensors,
+    State,
+    TitanAnswer,
 )
 from pyproj import Proj
 
@@ -29,29 +35,29 @@ _PROJECTIONS: dict[tuple[int, bool], Proj] = {}
 
 
 class Measured(NamedTuple):
-    """An answer, and the truth that it is about by the names of its fields."""
+    """An answer, and the true values of its fields."""
 
     message: TitanAnswer
     truth: Mapping[str, object]
 
 
 class TitanMeasures:
-    """Measures along a path; the start of position counting is where it is told to begin."""
+    """Makes measurements along a path. Positions are relative to the first GPS fix."""
 
-    def __init__(self, path: GroundPath, noise: Noise, gps_start_ms: int = 0) -> None:
+    def __init__(self, path: GroundPath, errors: MeasurementErrors, gps_start_ms: int = 0) -> None:
         self._path = path
-        self._noise = noise
+        self._errors = errors
         self._gps_start_ms = gps_start_ms
         self._origin: tuple[float, float, float] | None = None
         self._measures: dict[type[TitanAnswer], Callable[[float, bool], Measured]] = {
             State: self._state, Gps: self._gps, Sensors: self._sensors}
 
     def restart(self) -> None:
-        """Forget where position counting began."""
+        """Forget the position of the first GPS fix."""
         self._origin = None
 
     def measure(self, kind: type[TitanAnswer], time: float, has_fix: bool) -> Measured:
-        """Return what an answer says at a time in seconds, with or without GPS."""
+        """Return an answer of a kind at a time in seconds, with or without a GPS fix."""
         return self._measures[kind](time, has_fix)
 
     def _state(self, time: float, has_fix: bool) -> Measured:
@@ -66,8 +72,8 @@ class TitanMeasures:
             'angular_rate': truth.angular_rate}
         return Measured(State(
             true['position_ned'], truth.velocity,
-            _vector(self._noise.add('attitude', true['attitude'])),
-            _vector(self._noise.add('angular_rate', truth.angular_rate))), true)
+            _vector(self._errors.add('attitude', true['attitude'])),
+            _vector(self._errors.add('angular_rate', truth.angular_rate))), true)
 
     def _gps(self, time: float, has_fix: bool) -> Measured:
         truth, place, _ = self._path.at(time)
@@ -88,8 +94,8 @@ class TitanMeasures:
 
     def _sensors(self, time: float, has_fix: bool) -> Measured:
         truth, place, _ = self._path.at(time)
-        force = _vector(self._noise.add('specific_force', truth.specific_force))
-        rate = _vector(self._noise.add('angular_rate', truth.angular_rate))
+        force = _vector(self._errors.add('specific_force', truth.specific_force))
+        rate = _vector(self._errors.add('angular_rate', truth.angular_rate))
         pressure, magnetic = static_pressure(place.altitude), magnetic_field(truth)
         dynamic = air_density(place.altitude) / 2 * math.hypot(*truth.velocity) ** 2
         p, q, r = rate
@@ -104,12 +110,12 @@ class TitanMeasures:
 
 
 def utm_zone(longitude: float) -> int:
-    """Return the zone of a longitude in degrees; the exceptions in the north are not made."""
+    """Return the UTM zone of a longitude in degrees, without the exceptions in the north."""
     return int((longitude + 180.0) // ZONE_WIDTH) % 60 + 1
 
 
-def to_utm(place: Place, zone: int, northern: bool) -> tuple[float, float]:
-    """Return easting and northing (m) of a place, in whichever zone."""
+def to_utm(place: GeodeticPosition, zone: int, northern: bool) -> tuple[float, float]:
+    """Return easting and northing (m) of a position in a zone."""
     projection = _PROJECTIONS.get((zone, northern))
     if projection is None:
         projection = Proj(proj='utm', zone=zone, ellps='WGS84', south=not northern)
@@ -130,7 +136,7 @@ def air_density(altitude: float) -> float:
 
 
 def magnetic_field(truth: Truth) -> Vector:
-    """Return a field towards north and down (T) as it stands in body axes."""
+    """Return the magnetic field (T) in body axes."""
     sin_roll, cos_roll = math.sin(truth.roll), math.cos(truth.roll)
     sin_pitch, cos_pitch = math.sin(truth.pitch), math.cos(truth.pitch)
     forward = NORTH_FIELD * math.cos(truth.heading)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 from bahrs_driver.emulator.bahrs.device import HARDWARE, SOFTWARE
 from bahrs_driver.emulator.flights import Flight
-from bahrs_driver.emulator.noise import DEVIATIONS, Noise
+from bahrs_driver.emulator.measurement_errors import DEVIATIONS, MeasurementErrors
 from bahrs_driver.protocol.bahrs.frames import BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import (
     ANGLE,
@@ -148,7 +148,7 @@ def test_the_output_can_come_late():
 
 def test_noise_is_the_only_error():
     """And it is as large as asked for."""
-    sent = emissions(make_device(noise=Noise(1, DEVIATIONS)), 30.0)
+    sent = emissions(make_device(errors=MeasurementErrors(1, DEVIATIONS)), 30.0)
     inertial = [emission for emission in sent if emission.name == 'inertial']
     messages = decoded(data_of(inertial))
     spread = sum((message.specific_force[0] - emission.truth['specific_force'][0]) ** 2
@@ -159,7 +159,8 @@ def test_noise_is_the_only_error():
 def test_the_same_seed_gives_the_same_bytes():
     """With everything random in use; another seed gives others."""
     def stream(seed):
-        device = make_device(fast_flight(), seed, Noise(seed, DEVIATIONS), wander_ppm=1.0,
+        device = make_device(fast_flight(), seed, MeasurementErrors(seed, DEVIATIONS),
+                             wander_ppm=1.0,
                              pulse_rate=5.0)
         rates = {'bit_flip': 1e-3, 'drop_byte': 1e-3, 'drop_frame': 1e-2, 'break_': 1e-2,
                  'insert_byte': 1e-3, 'repeat_byte': 1e-3}

@@ -7,7 +7,7 @@ import itertools
 import struct
 import zlib
 
-from bahrs_driver.emulator.bahrs.diagnostics_mode import INACTIVITY, ServiceHabits
+from bahrs_driver.emulator.bahrs.diagnostics_mode import INACTIVITY, ServiceBehavior
 from bahrs_driver.emulator.bahrs.nvm_image import made_up_image, SIZE
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec
 from bahrs_driver.protocol.bahrs.messages import (
@@ -48,9 +48,9 @@ class Host:
         return decoded(b''.join(emission.data for emission in emissions(self.device, until)))
 
 
-def host(checksum='crc32', padded=False, **habits):
+def host(checksum='crc32', padded=False, **behavior):
     """Return a host at a device of its own variant."""
-    service = ServiceHabits(checksum, padded, **habits)
+    service = ServiceBehavior(checksum, padded, **behavior)
     return Host(make_device(service=service), checksum, padded)
 
 

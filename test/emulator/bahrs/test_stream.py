@@ -8,7 +8,7 @@ import re
 
 from bahrs_driver.emulator.bahrs.stream import BahrsStream, SIGNALS, UNALIGNED
 from bahrs_driver.emulator.flights import Still
-from bahrs_driver.emulator.noise import Noise
+from bahrs_driver.emulator.measurement_errors import MeasurementErrors
 from bahrs_driver.protocol.bahrs.frames import BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import (
     Accuracy,
@@ -31,9 +31,9 @@ SAFE, RISK, UNAVAILABLE = Integrity.SAFE, Integrity.INTEGRITY_RISK, Integrity.UN
 TENTH = '15234' + '112' * 9 + '1'
 
 
-def said(samples, version=3, time_label='next', noise=None, truth=None, stream=None):
+def messages_of(samples, version=3, time_label='next', errors=None, truth=None, stream=None):
     """Return the messages of some samples, 5 ms apart from device time 1,000,000 us."""
-    stream = stream or BahrsStream(version, time_label, noise or Noise(1))
+    stream = stream or BahrsStream(version, time_label, errors or MeasurementErrors(1))
     return [item.message for index in range(samples)
             for item in stream.sample(truth or Still().at(0.0), 1_000_000 + 5000 * index)]
 
@@ -57,7 +57,7 @@ def types_in(data):
 @pytest.mark.parametrize('version', [1, 2, 3])
 def test_order_and_mix(version):
     """Twenty samples make a tenth of a second of the recording's pattern."""
-    assert types(said(60, version)) == TENTH * 3
+    assert types(messages_of(60, version)) == TENTH * 3
 
 
 def test_order_and_mix_are_those_of_the_recording():
@@ -71,7 +71,7 @@ def test_order_and_mix_are_those_of_the_recording():
 
 def test_data_and_time_messages_count_for_themselves():
     """Each kind from 0, modulo 256."""
-    messages = said(20 * 260)
+    messages = messages_of(20 * 260)
     for kind in (Inertial, Navigation, Accuracy, InertialTime, NavigationTime):
         counters = [message.sequence for message in of(kind, messages)]
         assert counters == [index % 256 for index in range(len(counters))]
@@ -81,7 +81,7 @@ def test_data_and_time_messages_count_for_themselves():
 @pytest.mark.parametrize(('label', 'ahead'), [('next', 1), ('same', 0)])
 def test_a_time_message_names_the_next_sample_or_the_same(label, ahead):
     """With the device time of the one that was just sent."""
-    messages = said(1000, time_label=label)
+    messages = messages_of(1000, time_label=label)
     inertial, navigation = of(InertialTime, messages), of(NavigationTime, messages)[1:]
     assert [(time.reference_sequence, time.device_time_us) for time in inertial] == [
         ((20 * index + ahead) % 256, 1_000_000 + 100_000 * index) for index in range(50)]
@@ -91,14 +91,14 @@ def test_a_time_message_names_the_next_sample_or_the_same(label, ahead):
 
 def test_accuracy_has_the_time_of_the_navigation_message_before_it():
     """As the time message beside it."""
-    messages = said(100)
+    messages = messages_of(100)
     assert [message.device_time_us for message in of(Accuracy, messages)] == [
         message.device_time_us for message in of(NavigationTime, messages)]
 
 
 def test_the_beginning_is_that_of_the_recording():
     """Eight navigation messages without a signal; accuracy and navigation time all zero."""
-    messages = said(40)
+    messages = messages_of(40)
     navigation = of(Navigation, messages)
     for message in navigation[:UNALIGNED]:
         assert message.health == (UNAVAILABLE,) * 5
@@ -111,7 +111,7 @@ def test_the_beginning_is_that_of_the_recording():
 
 def test_accuracy_improves():
     """From 0.09 rad after power-on, as in the recording, to half a degree and less."""
-    accuracies = of(Accuracy, said(20 * 600))[1:]
+    accuracies = of(Accuracy, messages_of(20 * 600))[1:]
     assert accuracies[0].north_std == pytest.approx(0.091)
     assert accuracies[-1].north_std == pytest.approx(0.005)
     assert all(a.heading_std >= b.heading_std for a, b in zip(accuracies, accuracies[1:]))
@@ -121,18 +121,18 @@ def test_accuracy_improves():
 @pytest.mark.parametrize('integrity', [RISK, UNAVAILABLE, Integrity.RESERVED])
 def test_each_signal_can_be_put_in_each_state(signal, integrity):
     """At once, alone, and back; the value of an unavailable one is raw zero."""
-    stream = BahrsStream(3, 'next', Noise(1))
-    said(40, stream=stream)
+    stream = BahrsStream(3, 'next', MeasurementErrors(1))
+    messages_of(40, stream=stream)
     stream.set_integrity((signal,), integrity)
     kind = Inertial if signal in Inertial.SIGNALS else Navigation
-    message = of(kind, said(2, stream=stream))[0]
+    message = of(kind, messages_of(2, stream=stream))[0]
     expected = tuple(integrity if name == signal else SAFE for name in kind.SIGNALS)
     assert message.health == expected
     if integrity is UNAVAILABLE:
         blank = -1000.0 if signal == 'pressure_height' else 0.0
         assert value_of(message, signal) == blank
     stream.set_integrity((signal,))
-    assert of(kind, said(2, stream=stream))[0].health == (SAFE,) * len(kind.SIGNALS)
+    assert of(kind, messages_of(2, stream=stream))[0].health == (SAFE,) * len(kind.SIGNALS)
 
 
 def value_of(message, signal):
@@ -146,7 +146,7 @@ def test_what_is_too_much_is_cut_off_as_a_converter_does():
     """Values stand at the end of their range and still fit their fields."""
     biases = {'specific_force': (1e3, -1e3, 0.0), 'angular_rate': (99.0, -99.0, 0.0),
               'pressure_height': (1e5,), 'velocity_down': (-1e5,)}
-    messages = said(40, noise=Noise(1, {}, biases))
+    messages = messages_of(40, errors=MeasurementErrors(1, {}, biases))
     inertial, navigation = of(Inertial, messages)[-1], of(Navigation, messages)[-1]
     assert inertial.specific_force[:2] == (32767 * FORCE_2, -32767 * FORCE_2)
     assert inertial.angular_rate[:2] == (32767 * RATE_2, -32767 * RATE_2)
@@ -160,17 +160,17 @@ def test_what_is_too_much_is_cut_off_as_a_converter_does():
 def test_heading_is_where_the_version_wants_it(version, degrees, expected):
     """Version 1 has it from -180 to 180 degrees, the others from 0 to 360."""
     truth = Still(heading=degrees).at(0.0)
-    message = of(Navigation, said(40, version, truth=truth))[-1]
+    message = of(Navigation, messages_of(40, version, truth=truth))[-1]
     assert math.degrees(message.magnetic_heading) == pytest.approx(expected, abs=0.003)
 
 
 def test_a_restart_begins_anew():
     """Counters at 0, no alignment; the integrity that was commanded stays."""
-    stream = BahrsStream(3, 'next', Noise(1))
-    first = said(100, stream=stream)
+    stream = BahrsStream(3, 'next', MeasurementErrors(1))
+    first = messages_of(100, stream=stream)
     stream.set_integrity(('roll',), RISK)
     stream.restart()
-    again = said(100, stream=stream)
+    again = messages_of(100, stream=stream)
     assert types(again) == types(first)
     assert of(Navigation, again)[-1].health[2] is RISK
     assert list(islice((message.sequence for message in again), 5)) == [0, 0, 0, 0, 0]

@@ -4,13 +4,24 @@
 
 from itertools import cycle
 
-from bahrs_driver.emulator.bahrs.diagnostics_mode import DiagnosticsMode, ServiceHabits
+from bahrs_driver.emulator.bahrs.diagnostics_mode import DiagnosticsMode, ServiceBehavior
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import (
-    Acknowledgement, EnterDiagnostics, ExitDiagnostics, Inertial, NvmPage, NvmReadRequest,
+    Acknowledgement,
+    EnterDiagnostics,
+    ExitDiagnostics,
+    Inertial,
+    NvmPage,
+    NvmReadRequest,
 )
 from bahrs_driver.protocol.bahrs.nvm_session import (
-    ANSWER_TIMEOUT, LEAVE_ATTEMPTS, LOSS_TIME, NvmSession, PAGE_TIME, READ_TIME, SessionState,
+    ANSWER_TIMEOUT,
+    LEAVE_ATTEMPTS,
+    LOSS_TIME,
+    NvmSession,
+    PAGE_TIME,
+    READ_TIME,
+    SessionState,
 )
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.integrity import Integrity
@@ -33,10 +44,10 @@ def ns(seconds):
 class Bench:
     """A device, a line with faults, and a host with a session, moved on in small steps."""
 
-    def __init__(self, pages=range(250), error_rate=0.0, **habits):
+    def __init__(self, pages=range(250), error_rate=0.0, **behavior):
         """Set up a device that is on since a second; error_rate is per byte."""
         self.codec = BahrsCodec()
-        self.device = DiagnosticsMode(ServiceHabits(image=IMAGE, **habits))
+        self.device = DiagnosticsMode(ServiceBehavior(image=IMAGE, **behavior))
         self.now = 1.0
         self.session = NvmSession(pages, ns(self.now))
         self.framer = Framer(BahrsFormat())
@@ -56,7 +67,7 @@ class Bench:
                 for message in self.device.receive(self.faults.apply(data), self.now):
                     self._due.append((self.now + ANSWER, message))
         for message in self._arriving():
-            checksum = None if isinstance(message, Inertial) else self.device._habits.checksum
+            checksum = None if isinstance(message, Inertial) else self.device._behavior.checksum
             frame = self.faults.apply(self.codec.encode(message, 3, checksum))
             for found in self.framer.feed(frame):
                 self.session.receive(self.codec.decode(found), found.checksum, ns(self.now))
@@ -112,7 +123,7 @@ class Restless(DiagnosticsMode):
 def test_a_device_that_agrees_and_goes_on_streaming():
     """It is asked again a few times, and then left alone."""
     bench = Bench()
-    bench.device = Restless(ServiceHabits(image=IMAGE))
+    bench.device = Restless(ServiceBehavior(image=IMAGE))
     session = bench.run(10)
     assert 'entered diagnostics mode 5 times and did not stay in it' in session.error
     assert bench.sent.count(EnterDiagnostics.TYPE) < 20

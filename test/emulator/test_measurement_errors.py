@@ -4,18 +4,18 @@
 
 import statistics
 
-from bahrs_driver.emulator.noise import Noise, parse_bias, parse_deviation
+from bahrs_driver.emulator.measurement_errors import MeasurementErrors, parse_bias, parse_deviation
 import pytest
 
 
 def test_without_parameters_the_truth_is_measured():
     """To the last digit."""
-    assert Noise(1).add('specific_force', (0.1, -0.2, -9.8)) == (0.1, -0.2, -9.8)
+    assert MeasurementErrors(1).add('specific_force', (0.1, -0.2, -9.8)) == (0.1, -0.2, -9.8)
 
 
 def test_deviation_and_bias_are_as_asked_for():
     """Within what ten thousand samples tell."""
-    noise = Noise(3, {'pressure_height': 0.5}, {'pressure_height': (2.0,)})
+    noise = MeasurementErrors(3, {'pressure_height': 0.5}, {'pressure_height': (2.0,)})
     errors = [noise.add('pressure_height', (100.0,))[0] - 100.0 for _ in range(10_000)]
     assert statistics.mean(errors) == pytest.approx(2.0, abs=0.02)
     assert statistics.pstdev(errors) == pytest.approx(0.5, rel=0.03)
@@ -23,7 +23,7 @@ def test_deviation_and_bias_are_as_asked_for():
 
 def test_the_seed_decides():
     """The same seed gives the same noise, another one another."""
-    draws = [Noise(seed, {'angular_rate': 1.0}).add('angular_rate', (0.0,) * 3)
+    draws = [MeasurementErrors(seed, {'angular_rate': 1.0}).add('angular_rate', (0.0,) * 3)
              for seed in (1, 1, 2)]
     assert draws[0] == draws[1] != draws[2]
 

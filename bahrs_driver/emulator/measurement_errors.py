@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a sensor adds to the truth: a constant bias and white noise."""
+"""Measurement errors of a sensor: a constant bias and white noise."""
 
 from collections.abc import Mapping
 import math
@@ -8,12 +8,12 @@ import random
 
 from bahrs_driver.process.text_values import known, number
 
-# Every quantity that can be in error, with the number of its components.
+# Quantities with measurement errors, and their numbers of components.
 COMPONENTS = {'specific_force': 3, 'angular_rate': 3, 'attitude': 3, 'pressure_height': 1,
               'velocity_down': 1}
 
-# Standard deviations as a real device at rest shows them from one sample to the next; what its
-# navigation filter puts out is smooth to within a quantum.
+# Standard deviations between successive samples of a real device at rest. The output of its
+# navigation filter is smooth to within a quantum.
 DEVIATIONS = {'specific_force': 0.008, 'angular_rate': 3.5e-4, 'attitude': 0.0,
               'pressure_height': 0.0, 'velocity_down': 0.0}
 
@@ -21,13 +21,13 @@ Values = tuple[float, ...]
 
 
 def parse_deviation(text: str) -> tuple[str, float]:
-    """Return the quantity and standard deviation of a text such as angular_rate=0.001."""
+    """Parse a quantity and its standard deviation, such as angular_rate=0.001."""
     name, _, value = text.partition('=')
     return known(name, 'quantity', COMPONENTS), number(value, f'the noise of {name}')
 
 
 def parse_bias(text: str) -> tuple[str, Values]:
-    """Return the quantity and bias of a text such as specific_force=0.1,0,-0.2."""
+    """Parse a quantity and its bias, such as specific_force=0.1,0,-0.2."""
     name, _, words = text.partition('=')
     components = COMPONENTS[known(name, 'quantity', COMPONENTS)]
     values = tuple(number(word, f'the bias of {name}', -math.inf) for word in words.split(','))
@@ -36,8 +36,8 @@ def parse_bias(text: str) -> tuple[str, Values]:
     return name, values
 
 
-class Noise:
-    """Errors of a sensor, the same for the same seed."""
+class MeasurementErrors:
+    """Adds bias and noise to true values. The same seed gives the same noise."""
 
     def __init__(self, seed: int, deviations: Mapping[str, float] | None = None,
                  biases: Mapping[str, Values] | None = None) -> None:
@@ -47,7 +47,7 @@ class Noise:
                         for name, count in COMPONENTS.items()}
 
     def add(self, quantity: str, values: Values) -> Values:
-        """Return the values as measured."""
+        """Return the measured values of a quantity."""
         deviation, gauss = self._deviations[quantity], self._gauss
         if not deviation:
             return tuple(value + bias for value, bias in zip(values, self._biases[quantity]))
