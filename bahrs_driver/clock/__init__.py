@@ -6,7 +6,7 @@ Device time to host time. Pure: host time is an argument, nothing here reads a c
 A sample becomes a stamp in three steps:
 
     counter, time_reference, navigation, timeline, device_time     sequence number -> device time
-    reads (bounds, host), estimation                               device time -> host time
+    read_observer (bounds, host), estimation                       device time -> host time
     held, slewer, stamper                                          host time -> stamp
 
 `sample_clock` combines them for a device that streams samples with device time, `exchange` is the

@@ -11,7 +11,7 @@ from typing import Any
 
 from bahrs_driver.clock.interface import Instant, Stamped, TimeState
 from bahrs_driver.clock.notices import Notices
-from bahrs_driver.clock.reads import Reads
+from bahrs_driver.clock.read_observer import ReadObserver
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.units import NS_PER_S
 
@@ -31,7 +31,7 @@ class ArrivalClock:
         """Subtract fixed_latency ns from each stamp."""
         self._fixed_latency = fixed_latency
         self._notices = Notices()
-        self._reads = Reads(self._notices)
+        self._reads = ReadObserver(self._notices)
         self.begin(0)
 
     def begin(self, byte_time: int) -> None:

@@ -14,7 +14,7 @@ from typing import Any
 
 from bahrs_driver.clock.interface import Instant, Stamped, TimeState
 from bahrs_driver.clock.notices import Notices
-from bahrs_driver.clock.reads import Reads
+from bahrs_driver.clock.read_observer import ReadObserver
 from bahrs_driver.clock.slewer import StampSlewer
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.units import NS_PER_S, NS_PER_US
@@ -34,7 +34,7 @@ class ExchangeClock:
         """Assume requests of request_size bytes; subtract fixed_latency ns from each stamp."""
         self._request_size = request_size
         self._notices = Notices()
-        self._reads = Reads(self._notices)
+        self._reads = ReadObserver(self._notices)
         self._slewer = StampSlewer(self._reads.host, fixed_latency)
         self._halves: deque[int] = deque(maxlen=ANSWERS)
         self._arrivals = 0

@@ -32,7 +32,7 @@ from bahrs_driver.clock.held import Held, HeldMessages
 from bahrs_driver.clock.interface import Instant, Smoothing, Stamped, TimeState
 from bahrs_driver.clock.notices import Notices
 from bahrs_driver.clock.options import ClockOptions
-from bahrs_driver.clock.reads import Reads
+from bahrs_driver.clock.read_observer import ReadObserver
 from bahrs_driver.clock.slewer import StampSlewer
 from bahrs_driver.clock.stamper import Stamper
 from bahrs_driver.clock.sync_pulses import SyncPulses
@@ -53,7 +53,7 @@ class SampleClock:
         self._device = DeviceTime(roles, options.label)
         self._estimate = estimate or Tracker()
         self._notices = Notices()
-        self._reads = Reads(self._notices)
+        self._reads = ReadObserver(self._notices)
         self._slewer = StampSlewer(self._reads.host, options.fixed_latency)
         self._pulses = SyncPulses(options.source == 'sync_pulse', options.pulse_period,
                                   options.external_pulse_times)

@@ -36,7 +36,7 @@ def process_model(ppm: float, transition_probability: float = 0.0) -> ProcessMod
 SINGLE_MODEL = (process_model(0.1),)
 
 
-class State:
+class OffsetState:
     """Offset and skew by one model, with their covariance. Offsets in ns."""
 
     __slots__ = ('offset', 'p00', 'p01', 'p11', 'skew')
@@ -64,7 +64,7 @@ class State:
         return math.exp(max(MIN_LOG_LIKELIHOOD, -innovation ** 2 / total / 2)) / math.sqrt(total)
 
 
-def mean(states: Sequence[State], weights: Sequence[float]) -> State:
+def mean(states: Sequence[OffsetState], weights: Sequence[float]) -> OffsetState:
     """Return the state with the mean and covariance of a weighted mixture."""
     offset = sum(w * s.offset for w, s in zip(weights, states))
     skew = sum(w * s.skew for w, s in zip(weights, states))
@@ -74,7 +74,7 @@ def mean(states: Sequence[State], weights: Sequence[float]) -> State:
         p00 += w * (s.p00 + by * by)
         p01 += w * (s.p01 + by * skew_by)
         p11 += w * (s.p11 + skew_by * skew_by)
-    return State(offset, skew, p00, p01, p11)
+    return OffsetState(offset, skew, p00, p01, p11)
 
 
 class OffsetFilter:
@@ -93,7 +93,7 @@ class OffsetFilter:
         """Start with an offset and a skew, each with its standard deviation; one or two models."""
         self.time = time
         self._models = models
-        self._states = [State(0.0, skew, 0.0, 0.0, skew_deviation ** 2) for _ in models]
+        self._states = [OffsetState(0.0, skew, 0.0, 0.0, skew_deviation ** 2) for _ in models]
         durations = [1 / model.transition_probability if model.transition_probability else 1.0
                      for model in models]
         self._weights = [duration / sum(durations) for duration in durations]

@@ -79,15 +79,12 @@ class PulseTracker:
         self._misfits = 0
         return True
 
-    def check_timeout(self, device: int) -> bool:
-        """Restart if too many pulses are missing; return whether the tracker was settled then."""
+    def check_timeout(self, device: int) -> None:
+        """Restart if too many pulses are missing by this device time."""
         kalman = self._filter
-        if kalman is None or device - kalman.time <= (MISSES + 0.5) * self._period:
-            return False
-        was_settled = self.settled
-        self.missing += max(0, MISSES - self._misfits)
-        self.restart()
-        return was_settled
+        if kalman and device - kalman.time > (MISSES + 0.5) * self._period:
+            self.missing += max(0, MISSES - self._misfits)
+            self.restart()
 
     def _start(self, device: int, host: int, skew: float, skew_deviation: float) -> None:
         self._filter = OffsetFilter(device, host - device, FIRST_DEVIATION, skew, skew_deviation)

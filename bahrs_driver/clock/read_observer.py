@@ -13,7 +13,7 @@ from bahrs_driver.clock.notices import Notices
 CHUNKS = 99             # reads in the median of their sizes
 
 
-class Reads:
+class ReadObserver:
     """Observes the reads of a stream for a clock."""
 
     def __init__(self, notices: Notices) -> None:
