@@ -55,7 +55,7 @@ class NvmServices:
                                 callback_group=group)
 
     def wait(self) -> None:
-        """Wait until no request is under way. Begin no session any more before."""
+        """Wait until no request is under way. Call NvmReader.end() first."""
         futures.wait(list(self._under_way))
 
     def _callback(self, action: Callable[[], Content]) -> Callback:

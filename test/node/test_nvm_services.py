@@ -45,7 +45,7 @@ def ask():
         node.declare_parameter(name, value)
     node.create_service = lambda kind, name, callback, **_: callbacks.update({name: callback})
     reader = Reader()
-    services = NvmServices(node, reader, FaultLog(str, str))
+    services = NvmServices(node, reader, 250, FaultLog(str, str))
     services._pages.publish = lambda message: published.append(message.layout.dim[0].label)
 
     executor = StoppableExecutor(pytest.fail, context)

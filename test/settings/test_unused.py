@@ -25,7 +25,8 @@ def read_by(file, prefix=''):
 
 
 # Read by the node and its services, not by the parts of a device.
-OF_THE_NODE = {'sensor'} | read_by('driver_node.py') | read_by('nvm_services.py', 'nvm.')
+OF_THE_NODE = {'sensor'} | read_by('driver_node.py') | read_by('topics.py') | \
+    read_by('nvm_services.py', 'nvm.')
 
 
 @settings(max_examples=40)
