@@ -11,7 +11,7 @@ A sample becomes a stamp in three steps:
 
 `sample_clock` combines them for a device that streams samples with device time, `exchange` is the
 clock of a device that answers requests, and `arrival` the one of any device without estimation.
-All three implement `interface.Clock`. `estimation` has a live estimate (`tracker`) and, for
+All three extend `interface.Clock`. `estimation` has a live estimate (`tracker`) and, for
 recordings, one that uses all samples (`smoother`).
 """
 

@@ -9,7 +9,7 @@ They contain all delays of the adapter and the host.
 from collections.abc import Iterable
 from typing import Any
 
-from bahrs_driver.clock.interface import Instant, Stamped, TimeState
+from bahrs_driver.clock.interface import Clock, Instant, Stamped, TimeState
 from bahrs_driver.clock.notices import Notices
 from bahrs_driver.clock.read_observer import ReadObserver
 from bahrs_driver.protocol.framing import Frame
@@ -18,9 +18,9 @@ from bahrs_driver.units import NS_PER_S
 SET_BACK = NS_PER_S
 
 
-class ArrivalClock:
+class ArrivalClock(Clock):
     """
-    Stamps each message with its arrival; implements `Clock`.
+    Stamps each message with its arrival.
 
     Two chunks read in quick succession may put their frames in the wrong order; a stamp is
     therefore at least one nanosecond after the one before. Only if the host's clock was set back
@@ -49,13 +49,6 @@ class ArrivalClock:
         """Stamp all messages with their arrival."""
         return [Stamped(message, frame, self._stamp_of(frame)) for message, frame in messages]
 
-    def end(self) -> list[Stamped]:
-        """Return an empty list: no message waits."""
-        return []
-
-    def pulse_reference(self, _ros_ns: int) -> None:
-        """Ignore sync pulses."""
-
     def take_notices(self) -> list[str]:
         """Return the sentences for the user since the last call."""
         return self._notices.take()
@@ -65,9 +58,6 @@ class ArrivalClock:
         host = self._reads.host
         return TimeState('arrival', 'arrival', host_steps=host.steps,
                          last_host_step_s=host.last_step_ns / NS_PER_S)
-
-    def smoothing(self) -> None:
-        """Return None: no estimate is in use."""
 
     def _stamp_of(self, frame: Frame) -> int:
         reads = self._reads

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from statistics import median_low
 from typing import Any
 
-from bahrs_driver.clock.interface import Instant, Stamped, TimeState
+from bahrs_driver.clock.interface import Clock, Instant, Stamped, TimeState
 from bahrs_driver.clock.notices import Notices
 from bahrs_driver.clock.read_observer import ReadObserver
 from bahrs_driver.clock.slewer import StampSlewer
@@ -22,9 +22,9 @@ from bahrs_driver.units import NS_PER_S, NS_PER_US
 ANSWERS = 99            # in the median of their uncertainty
 
 
-class ExchangeClock:
+class ExchangeClock(Clock):
     """
-    Stamps answers with the middle of request and answer; implements `Clock`.
+    Stamps answers with the middle of request and answer.
 
     The `asked` of a message is when it was requested (CLOCK_MONOTONIC_RAW, ns); if that is None,
     the stamp is the arrival. A message that is not `wanted` is not put in the order of time.
@@ -56,13 +56,6 @@ class ExchangeClock:
         return [Stamped(message, frame, self._stamp_of(message, frame))
                 for message, frame in messages]
 
-    def end(self) -> list[Stamped]:
-        """Return an empty list: no message waits."""
-        return []
-
-    def pulse_reference(self, _ros_ns: int) -> None:
-        """Ignore sync pulses."""
-
     def take_notices(self) -> list[str]:
         """Return the sentences for the user since the last call."""
         return self._notices.take()
@@ -77,9 +70,6 @@ class ExchangeClock:
             arrival_stamps=self._arrivals, host_steps=host.steps,
             last_host_step_s=host.last_step_ns / NS_PER_S,
             median_chunk=self._reads.median_chunk)
-
-    def smoothing(self) -> None:
-        """Return None: each answer has its own bounds."""
 
     def _stamp_of(self, message: Any, frame: Frame) -> int:
         latest, asked = self._reads.bounds.bound(frame.offset), message.asked

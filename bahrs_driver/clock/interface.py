@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The interface of a clock, and the values that it takes and returns."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from bahrs_driver.protocol.framing import Frame
 
@@ -52,8 +53,12 @@ class TimeState:
     median_chunk: int = 0               # bytes per read
 
 
-class Clock(Protocol):
-    """Stamps messages. One thread uses it, except for `pulse_reference`."""
+class Clock(ABC):
+    """
+    Stamps messages. One thread uses it, except for `pulse_reference`.
+
+    The defaults are those of a clock that holds no message and does not use the time of reads.
+    """
 
     def begin(self, byte_time: int) -> None:
         """Begin another stream, on a line that transmits a byte in byte_time ns."""
@@ -61,23 +66,28 @@ class Clock(Protocol):
     def observe_read(self, now: Instant, received: int) -> None:
         """Record the instant of a read, and the bytes of the stream received by then."""
 
+    @abstractmethod
     def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
         """Add the messages that the read completed; return all whose time is known."""
 
     def end(self) -> list[Stamped]:
         """End the stream; return the messages that still waited for a stamp."""
+        return []
 
     def pulse_reference(self, ros_ns: int) -> None:
         """Add the ROS time of an external sync pulse. Any thread may call it."""
 
     def take_notices(self) -> list[str]:
         """Return the sentences for the user since the last call."""
+        return []
 
+    @abstractmethod
     def state(self) -> TimeState:
         """Return the present state."""
 
     def smoothing(self) -> 'Smoothing | None':
         """Return clocks for two passes over a recording, or None if one pass is as good."""
+        return None
 
 
 class Smoothing(NamedTuple):

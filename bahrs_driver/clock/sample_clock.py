@@ -29,7 +29,7 @@ from bahrs_driver.clock.estimation.estimate import Estimate
 from bahrs_driver.clock.estimation.smoother_input import SmootherInput
 from bahrs_driver.clock.estimation.tracker import Tracker
 from bahrs_driver.clock.held import Held, HeldMessages
-from bahrs_driver.clock.interface import Instant, Smoothing, Stamped, TimeState
+from bahrs_driver.clock.interface import Clock, Instant, Smoothing, Stamped, TimeState
 from bahrs_driver.clock.notices import Notices
 from bahrs_driver.clock.options import ClockOptions
 from bahrs_driver.clock.read_observer import ReadObserver
@@ -43,8 +43,8 @@ from bahrs_driver.units import NS_PER_S, NS_PER_US
 SETTLING = 2 * NS_PER_S     # the end of a shorter epoch is not reported
 
 
-class SampleClock:
-    """Stamps messages by device time; implements `Clock`."""
+class SampleClock(Clock):
+    """Stamps messages by device time."""
 
     def __init__(self, roles: MessageRoles, options: ClockOptions = ClockOptions(),
                  estimate: Estimate | None = None) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 from bahrs_driver.clock.counter import CountedSequence
 from bahrs_driver.clock.host import HostClocks
-from bahrs_driver.clock.interface import Instant, Stamped, TimeState
+from bahrs_driver.clock.interface import Clock, Stamped, TimeState
 from bahrs_driver.clock.slewer import StampSlewer
 from bahrs_driver.clock.stamper import MAX_AGE, SAME_SAMPLE
 from bahrs_driver.protocol.framing import Frame
@@ -16,8 +16,8 @@ from bahrs_driver.reprocess.counted_stream import CountedStream
 from bahrs_driver.units import NS_PER_US
 
 
-class ByteClock:
-    """Stamps the messages of a stream that was examined before; implements `Clock`."""
+class ByteClock(Clock):
+    """Stamps the messages of a stream that was examined before."""
 
     def __init__(self, roles: MessageRoles, stream: CountedStream,
                  jumps: Iterator[tuple[int, CountedSequence]], fixed_latency: int) -> None:
@@ -37,28 +37,11 @@ class ByteClock:
         self._count = self._latest.count        # of the latest sample with a stamp
         self._stamp = max(0, self._slewer.to_ros_time(self._times.ros_time(self._count)))
 
-    def begin(self, _byte_time: int) -> None:
-        """Do nothing: there is one stream."""
-
-    def observe_read(self, _now: Instant, _received: int) -> None:
-        """Ignore the instant: it was computed from the samples."""
-
     def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
         """Stamp the messages; drop those with an impossible time."""
         stamped = ((message, frame, self._stamp_of(message)) for message, frame in messages)
         return [Stamped(message, frame, stamp) for message, frame, stamp in stamped
                 if stamp is not None]
-
-    def end(self) -> list[Stamped]:
-        """Return an empty list: no message waits."""
-        return []
-
-    def pulse_reference(self, _ros_ns: int) -> None:
-        """Ignore sync pulses: a recording has no external pulse times."""
-
-    def take_notices(self) -> list[str]:
-        """Return an empty list: the host's clock is not used."""
-        return []
 
     def state(self) -> TimeState:
         """Return the present state."""
@@ -68,9 +51,6 @@ class ByteClock:
             'device', 'device', label=self._stream.convention.label, settled=times.epochs > 0,
             offset_ns=stretch.offset, period_us=stretch.elapsed / stretch.samples / NS_PER_US,
             epochs=times.epochs, rejected_time_messages=times.rejected)
-
-    def smoothing(self) -> None:
-        """Return None: the first pass is done."""
 
     def _stamp_of(self, message: Any) -> int | None:
         stream, roles, kind = self._stream, self._roles, type(message)
