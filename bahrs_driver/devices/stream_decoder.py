@@ -4,12 +4,12 @@
 
 from abc import ABC, abstractmethod
 import argparse
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, Generic, TypeVar
 
 from bahrs_driver.clock import Clock
 from bahrs_driver.devices.settings import CommonSettings
-from bahrs_driver.pipeline import Pipeline, Stamped
+from bahrs_driver.pipeline import Pipeline
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.message import Message
 
@@ -36,11 +36,6 @@ class StreamDecoder(ABC, Generic[Settings]):
     @abstractmethod
     def __init__(self, settings: Settings, clock: Clock | None = None) -> None:
         """Set pipeline, which leaves messages unstamped without a clock."""
-
-    def messages(self, items: Iterable[Stamped]) -> Iterator[tuple[Frame, Any]]:
-        """Yield the messages whose content is known by now, in the order of the stream."""
-        for message, frame, _ in items:
-            yield frame, message
 
     def head_values(self, _frame: Frame) -> dict[str, Any]:
         """Return properties of a frame that its message lacks."""

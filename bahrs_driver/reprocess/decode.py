@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Decode bytes into typed messages, with the device time of each where the stream tells it."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from bahrs_driver.devices.registry import DEFAULT, DEVICES
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.stream_decoder import AnyDecoder
+from bahrs_driver.pipeline import Event, Pipeline
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.message_roles import MessageRoles
 from bahrs_driver.reprocess.decoding_faults import DecodingFaults
@@ -32,11 +33,18 @@ def decode(chunks: Iterable[bytes], device: str = DEFAULT,
 def decode_stream(chunks: Iterable[bytes], decoder: AnyDecoder,
                   faults: DecodingFaults) -> Iterator[tuple[Frame, Any]]:
     """Yield the messages of a stream, each as soon as it is complete."""
-    pipeline = decoder.pipeline
+    kinds = tuple(decoder.kinds)
+    for events in _events(chunks, decoder.pipeline):
+        for message, frame, _ in faults.messages(events):
+            if isinstance(message, kinds):      # not an answer that comes again when decoded
+                yield frame, message
+
+
+def _events(chunks: Iterable[bytes], pipeline: Pipeline) -> Iterator[Sequence[Event]]:
     pipeline.open()
     for chunk in chunks:
-        yield from decoder.messages(faults.messages(pipeline.feed(chunk)))
-    yield from decoder.messages(faults.messages(pipeline.close()))
+        yield pipeline.feed(chunk)
+    yield pipeline.close()
 
 
 def with_device_time(messages: Iterable[tuple[Frame, Any]], roles: MessageRoles | None

@@ -3,7 +3,7 @@
 """Decode the answers of a Titan-M into typed messages."""
 
 import argparse
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from bahrs_driver.clock import Clock
@@ -12,14 +12,21 @@ from bahrs_driver.devices.titan_m.settings import TitanMSettings
 from bahrs_driver.pipeline import Pipeline, Stamped
 from bahrs_driver.protocol.framing import Frame, Framer
 from bahrs_driver.protocol.titan_m.byte_order import PayloadDecoder
-from bahrs_driver.protocol.titan_m.decoder import AnswerDecoder
+from bahrs_driver.protocol.titan_m.decoder import TitanDecoder
 from bahrs_driver.protocol.titan_m.frames import AnswerFormat, message_id
-from bahrs_driver.protocol.titan_m.messages import ANSWERS, Gps, LAST_ZONE, TitanAnswer
+from bahrs_driver.protocol.titan_m.messages import ANSWERS, Gps, LAST_ZONE
 
 # Columns of a GPS answer that have no value without a position.
 OF_A_POSITION = ('easting', 'northing', 'altitude', 'velocity_ned_north', 'velocity_ned_east',
                  'velocity_ned_down', 'heading_deg', 'speed', 'ground_speed')
 MOST_HELD = 100_000         # answers that wait for their byte order; a stream may never reveal it
+
+
+class _OneStreamDecoder(TitanDecoder):
+    """A decoder whose byte order is still known after the end of its stream."""
+
+    def close(self) -> None:
+        """Do nothing: no other device follows."""
 
 
 class TitanStreamDecoder(StreamDecoder[TitanMSettings]):
@@ -45,14 +52,7 @@ class TitanStreamDecoder(StreamDecoder[TitanMSettings]):
     def __init__(self, settings: TitanMSettings, clock: Clock | None = None) -> None:
         self._format = AnswerFormat(settings.checksum_order)
         self._payloads = PayloadDecoder[Stamped](settings.payload_order, MOST_HELD)
-        self.pipeline = Pipeline(Framer(self._format), AnswerDecoder(), clock)
-
-    def messages(self, items: Iterable[Stamped]) -> Iterator[tuple[Frame, Any]]:
-        """Yield the messages whose byte order is known by now, in the order of the stream."""
-        for item in items:
-            for message, frame, _ in self._payloads.resolve(item):
-                if isinstance(message, TitanAnswer):
-                    yield frame, message
+        self.pipeline = Pipeline(Framer(self._format), _OneStreamDecoder(self._payloads), clock)
 
     def head_values(self, frame: Frame) -> dict[str, Any]:
         """Return the message id of the answer."""

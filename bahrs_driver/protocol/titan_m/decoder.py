@@ -13,15 +13,7 @@ from bahrs_driver.protocol.titan_m.messages import TitanAnswer
 from bahrs_driver.protocol.titan_m.poller import Poller
 
 
-class AnswerDecoder(Decoder):
-    """Decodes answers, but not their payloads."""
-
-    def decode(self, frame: Frame, _now: int) -> Answer:
-        """Return the answer in a frame."""
-        return answer_of(frame)
-
-
-class TitanDecoder(AnswerDecoder):
+class TitanDecoder(Decoder):
     """
     Matches answers to the requests of a poller, and decodes their payloads.
 
@@ -49,7 +41,7 @@ class TitanDecoder(AnswerDecoder):
 
     def decode(self, frame: Frame, now: int) -> Answer:
         """Return the answer in a frame, matched to its request."""
-        answer = super().decode(frame, now)
+        answer = answer_of(frame)
         return self._poller.match(answer, now) if self._poller else answer
 
     def resolve(self, items: list[ItemT]) -> list[ItemT]:
