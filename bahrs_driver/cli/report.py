@@ -3,6 +3,7 @@
 """`bahrs report`: write a page about a recording."""
 
 import argparse
+from collections.abc import Iterator
 import contextlib
 import json
 import os
@@ -12,6 +13,8 @@ from bahrs_driver.bag.capture import Capture
 from bahrs_driver.bag.read_capture import read_capture
 from bahrs_driver.cli.outputs import add_force, is_standard_output, output_file
 from bahrs_driver.cli.progress import progress_bar
+from bahrs_driver.devices.registry import DEVICES
+from bahrs_driver.devices.spec import AnyDevice
 from bahrs_driver.errors import CaptureError, CommandError
 from bahrs_driver.process.printable import printable
 from bahrs_driver.report.clock import analyze_clock
@@ -32,7 +35,7 @@ exit status: 0, or 1 if the recording has no frame
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
-        'Write one self-contained page of HTML about a recording of a BAHRS: integrity,\n'
+        'Write one self-contained page of HTML about a recording: integrity,\n'
         'motion, clock, noise at rest, and findings in sentences.')
     parser.epilog = _EXAMPLES
     parser.add_argument('input', help='file of bytes from the device, or a bag with the topic '
@@ -42,10 +45,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                              'recording, with .html)')
     add_force(parser)
     parser.add_argument('--topic', help="the bag's topic of raw bytes, if there are several")
-    parser.add_argument('--crc', choices=('auto', 'word', 'byte'), default='auto',
-                        help='order of the CRC (default: %(default)s)')
-    parser.add_argument('--pressure-height', choices=('uint16', 'int16'), default='uint16',
-                        help='format of the pressure height (default: %(default)s)')
+    for spec in _reported():
+        spec.stream_decoder.add_arguments(parser)
     parser.add_argument('--json', action='store_true',
                         help='print counts and findings as one JSON object, and write no page')
 
@@ -68,14 +69,16 @@ def _recording(options: argparse.Namespace) -> Recording:
     """Read the recording; CommandError if it has no frame."""
     try:
         capture = read_capture(options.input, options.topic)
-        if capture.sensor not in (None, 'bahrs'):
+        specs = {spec.name: spec for spec in _reported()}
+        spec = specs.get(capture.sensor or next(iter(specs)))
+        if spec is None:
             raise CommandError(f'{printable(options.input)} is of a {printable(capture.sensor)}: '
-                               'there are only reports of a bahrs')
-        recording = _gather(options, capture)
+                               f'there are only reports of a {" or ".join(specs)}')
+        recording = _gather(options, capture, spec)
     except CaptureError as error:
         raise CommandError(str(error)) from error
     if not recording.counters.frames:
-        raise CommandError(f'no frame of a BAHRS in the {recording.size:,} bytes of '
+        raise CommandError(f'no frame of a {spec.label} in the {recording.size:,} bytes of '
                            f'{printable(options.input)}')
     return recording
 
@@ -99,12 +102,19 @@ def _target(options: argparse.Namespace) -> Path:
     return source.with_suffix('.html')
 
 
-def _gather(options: argparse.Namespace, capture: Capture) -> Recording:
+def _reported() -> Iterator[AnyDevice]:
+    """Yield the devices that there are reports of."""
+    return (spec for spec in DEVICES.values() if spec.recording_format(spec.settings()))
+
+
+def _gather(options: argparse.Namespace, capture: Capture, spec: AnyDevice) -> Recording:
+    settings = spec.stream_decoder.settings(options) or spec.settings()
+    recorded = spec.recording_format(settings)
+    assert recorded, 'only devices with a format are reported'
     with progress_bar() as progress:
         name = escape(printable(os.path.basename(options.input)))
         task = progress.add_task(name, total=capture.size or None)
-        return gather(capture, options.crc, options.pressure_height,
-                      lambda: progress.update(task, completed=capture.done))
+        return gather(capture, recorded, lambda: progress.update(task, completed=capture.done))
 
 
 def _record(recording: Recording) -> dict[str, object]:

@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, ClassVar, Generic, TYPE_CHECKING, TypeVar
 
+from bahrs_driver.devices.recording_format import RecordingFormat
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.stream_decoder import StreamDecoder
 from bahrs_driver.protocol.framing import Frame, FrameFormat
@@ -51,6 +52,10 @@ class DeviceSpec(ABC, Generic[Settings]):
     def memory_access(self, link: 'Link') -> 'tuple[Pipeline, NvmReader]':
         """Return what decodes a link and reads the memory through it, for `bahrs nvm`."""
         raise NotImplementedError(f'a {self.label} has no memory')
+
+    def recording_format(self, _settings: Settings) -> RecordingFormat | None:
+        """Return how `bahrs report` reads recorded frames; None if it cannot."""
+        return None
 
     @abstractmethod
     def topics(self) -> Mapping[str, type]:

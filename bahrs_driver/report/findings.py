@@ -5,24 +5,19 @@
 from collections.abc import Iterator
 
 from bahrs_driver.process.printable import printable
-from bahrs_driver.protocol.bahrs.messages import (
-    FORCE, FORCE_2, HEIGHT, HEIGHT_OFFSET, RATE, RATE_2, VELOCITY,
-)
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.report.clock import ClockAnalysis
-from bahrs_driver.report.finding import (
-    clock_time, ERROR, Finding, GOOD, NOTICE, Severity, WARNING,
-)
-from bahrs_driver.report.gather import Recording
+from bahrs_driver.report.finding import clock_time, ERROR, Finding, GOOD, NOTICE, Severity, WARNING
+from bahrs_driver.report.gather import Recording, Signals
 from bahrs_driver.report.integrity import integrity_findings
 from bahrs_driver.report.time_axis import Array, BreakKind, UNKNOWN_PAUSE
+import numpy as np
 
 CUT_OFF = 64                # bytes of cut frames at the beginning and end of a recording
 MANY = 5                    # events named one by one
 DRIFT_LIMIT = 100.0         # ppm; more is a defect of a crystal
 LATE_LIMIT = 0.02           # s of delay that 99 of 100 samples should not exceed
 LONG_READ = 60              # bytes a read, above which an adapter holds bytes back
-HIGHEST_RAW = 32767
 INERTIAL_RATE, NAVIGATION_RATE = 200.0, 100.0       # Hz
 RATE_TOLERANCE = 0.02
 
@@ -116,18 +111,21 @@ def _rates(recording: Recording) -> Iterator[Finding]:
 
 
 def _saturation(recording: Recording) -> Iterator[Finding]:
-    old = max(recording.versions, default=3) < 3
     inertial, navigation = recording.inertial, recording.navigation
-    for values, scale, name in (
-            (inertial.values['specific_force'], FORCE_2 if old else FORCE, 'specific force'),
-            (inertial.values['angular_rate'], RATE_2 if old else RATE, 'angular rate'),
-            (navigation.values['velocity_down'], VELOCITY, 'vertical velocity')):
-        yield from _at_limit(abs(values) >= (HIGHEST_RAW - 0.5) * scale, name)
-    height = navigation.values['pressure_height']
+    for signals, field, name in (
+            (inertial, 'specific_force', 'specific force'),
+            (inertial, 'angular_rate', 'angular rate'),
+            (navigation, 'velocity_down', 'vertical velocity')):
+        yield from _at_limit(_saturated(recording, signals, field), name)
     safe = navigation.health[:, 0] == Integrity.SAFE
-    highest = HEIGHT_OFFSET + (2 * HIGHEST_RAW + 0.5) * HEIGHT
-    yield from _at_limit(safe & ((height <= HEIGHT_OFFSET) | (height >= highest)),
+    yield from _at_limit(safe & _saturated(recording, navigation, 'pressure_height'),
                          'pressure height')
+
+
+def _saturated(recording: Recording, signals: Signals, field: str) -> Array:
+    lowest, highest = recording.limits[field]
+    values = signals.values[field]
+    return np.asarray((values <= lowest) | (values >= highest))
 
 
 def _at_limit(where: Array, name: str) -> Iterator[Finding]:

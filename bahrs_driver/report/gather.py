@@ -1,27 +1,22 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Read a recording of a BAHRS into arrays, a piece at a time."""
+"""Read a recording into arrays, a piece at a time."""
 
 from array import array
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 from bahrs_driver.bag.capture import Capture
 from bahrs_driver.bag.log_clock import LogClock
 from bahrs_driver.bag.play_capture import play_capture
+from bahrs_driver.devices.recording_format import Limits, RecordingFormat
 from bahrs_driver.pipeline import Pipeline, PipelineCounters
-from bahrs_driver.protocol.bahrs.frames import (
-    BahrsCodec, BahrsFormat, frame_size, frame_version, HEADER, MARKER,
-)
-from bahrs_driver.protocol.bahrs.messages import (
-    Accuracy, BahrsMessage, HardwareVersion, HeightFormat, Inertial, InertialTime, Navigation,
-    NavigationTime, SoftwareVersion, SyncPulseTime,
-)
 from bahrs_driver.protocol.batch import Batch
 from bahrs_driver.protocol.decoder import Decoder
 from bahrs_driver.protocol.framing import Frame, Framer, FramingCounters
+from bahrs_driver.protocol.message import Message
 from bahrs_driver.report.time_axis import Array, make_time_axis, TimeAxis
 from bahrs_driver.units import COUNTER_MODULUS
 import numpy as np
@@ -52,13 +47,15 @@ class Recording:
     """The data of a report."""
 
     name: str
+    device: str                         # label
+    limits: Mapping[str, Limits]        # of saturated fields
     size: int                           # bytes of the stream
     counters: FramingCounters
     counts: dict[str, int]              # frames by the name of the message
     versions: dict[int, int]            # frames by protocol version
     crc_order: str | None
-    software: SoftwareVersion | None
-    hardware: HardwareVersion | None
+    software: Any                       # version message, if received
+    hardware: Any                       # version message, if received
     time_axis: TimeAxis
     inertial: Signals
     navigation: Signals
@@ -92,13 +89,11 @@ class _FrameCollector(Decoder):
         return frames
 
 
-def gather(capture: Capture, crc: Literal['auto', 'word', 'byte'] = 'auto',
-           height_format: HeightFormat = 'uint16',
+def gather(capture: Capture, recorded: RecordingFormat,
            progress: Callable[[], None] = lambda: None) -> Recording:
     """Read a capture; progress is called after each piece. CaptureError if it cannot be read."""
-    frame_format, codec = BahrsFormat(crc), BahrsCodec(height_format)
-    collector, batch = _FrameCollector(), Batch(codec.layouts_by_header)
-    pipeline = Pipeline(Framer(frame_format), collector)
+    collector, batch = _FrameCollector(), Batch(recorded.layouts)
+    pipeline = Pipeline(Framer(recorded.frame_format), collector)
     times, raws, received = array('q'), array('q'), array('q')      # there are millions
     for chunk, *_ in play_capture(capture, pipeline, LogClock()):
         batch.add(collector.take())
@@ -110,17 +105,19 @@ def gather(capture: Capture, crc: Literal['auto', 'word', 'byte'] = 'auto',
         progress()
     reads = Reads(np.array(times), np.array(raws) if len(raws) == len(times) else None,
                   np.array(received), capture.byte_ns or 0) if times else None
-    return _recording(capture, batch, pipeline.counters, frame_format, codec, reads)
+    return _recording(capture, batch, pipeline.counters, recorded, reads)
 
 
 def _recording(capture: Capture, batch: Batch, counters: PipelineCounters,
-               frame_format: BahrsFormat, codec: BahrsCodec, reads: Reads | None) -> Recording:
+               recorded: RecordingFormat, reads: Reads | None) -> Recording:
     counts, versions = Counter[str](), Counter[int]()
     for header, count in batch.counts().items():
-        counts[codec.layouts_by_header[header].message.NAME] += count
-        versions[frame_version(header)] += count
-    inertial, navigation = batch.take(Inertial), batch.take(Navigation)
-    axis = make_time_axis(inertial['offset'], inertial['sequence'], batch.take(InertialTime))
+        counts[recorded.layouts[header].message.NAME] += count
+        versions[recorded.version(header)] += count
+    roles = recorded.roles
+    inertial, navigation = batch.take(roles.sample), batch.take(roles.navigation)
+    accuracy = batch.take(recorded.accuracy)
+    axis = make_time_axis(inertial['offset'], inertial['sequence'], batch.take(roles.sample_time))
     offsets = inertial['offset'].copy()
 
     def when(array: Array) -> Array:
@@ -129,20 +126,20 @@ def _recording(capture: Capture, batch: Batch, counters: PipelineCounters,
             return np.arange(len(array)) * 0.01
         return np.asarray(axis.seconds[np.searchsorted(offsets, array['offset']).clip(1) - 1])
 
-    software, hardware = batch.take(SoftwareVersion), batch.take(HardwareVersion)
+    usual = versions.most_common(1)[0][0] if versions else None
     return Recording(
-        capture.path.name, counters.bytes_received, counters.framing, dict(counts), dict(versions),
-        frame_format.order_seen,
-        SoftwareVersion(*_last(software)) if len(software) else None,
-        HardwareVersion(*_last(hardware)) if len(hardware) else None,
-        axis, _signals(Inertial, axis.seconds, inertial),
-        _signals(Navigation, when(navigation), navigation),
-        _signals(Accuracy, when(accuracy := batch.take(Accuracy)), accuracy),
-        when(batch.take(SyncPulseTime)), _label(navigation, batch.take(NavigationTime)), reads,
-        offsets + _inertial_size(codec, versions), counters.streams, capture.notes)
+        capture.path.name, recorded.label, recorded.limits(max(versions, default=None)),
+        counters.bytes_received, counters.framing, dict(counts), dict(versions),
+        recorded.checksum_order(), _last(recorded.software, batch),
+        _last(recorded.hardware, batch), axis, _signals(roles.sample, axis.seconds, inertial),
+        _signals(roles.navigation, when(navigation), navigation),
+        _signals(recorded.accuracy, when(accuracy), accuracy),
+        when(batch.take(roles.sync_pulse)),
+        _label(navigation, batch.take(roles.navigation_time)), reads,
+        offsets + recorded.sample_size(usual), counters.streams, capture.notes)
 
 
-def _signals(kind: type[BahrsMessage], seconds: Array, array: Array) -> Signals:
+def _signals(kind: type[Message], seconds: Array, array: Array) -> Signals:
     names = [name for name in array.dtype.names or ()
              if name not in ('offset', 'sequence', 'health', 'device_time_us')]
     health = array['health'].copy() if kind.SIGNALS else np.empty((len(array), 0), np.uint8)
@@ -150,10 +147,14 @@ def _signals(kind: type[BahrsMessage], seconds: Array, array: Array) -> Signals:
                    kind.SIGNALS)
 
 
-def _last(array: Array) -> list[Any]:
-    """Return the fields of the last message."""
-    return [item if isinstance(item, str) else tuple(item.tolist()) if item.shape else int(item)
-            for item in list(array[-1])[1:]]
+def _last(kind: type[Message], batch: Batch) -> Message | None:
+    """Return the last message of a type; None if there is none."""
+    array = batch.take(kind)
+    if not len(array):
+        return None
+    return kind(*(
+        item if isinstance(item, str) else tuple(item.tolist()) if item.shape else int(item)
+        for item in list(array[-1])[1:]))
 
 
 def _label(navigation: Array, times: Array) -> int | None:
@@ -166,9 +167,3 @@ def _label(navigation: Array, times: Array) -> int | None:
     ahead = times['reference_sequence'].astype(int) - navigation['sequence'][latest]
     half = COUNTER_MODULUS // 2
     return int(np.median((ahead + half) % COUNTER_MODULUS - half))
-
-
-def _inertial_size(codec: BahrsCodec, versions: Counter[int]) -> int:
-    version = versions.most_common(1)[0][0] if versions else 3
-    layout = codec.layouts_by_header[HEADER.pack(MARKER, version, Inertial.TYPE)]
-    return frame_size(layout.size, padded=True)

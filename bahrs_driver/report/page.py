@@ -128,7 +128,7 @@ def _lead(recording: Recording) -> str:
     versions = ' and '.join(str(version) for version in sorted(recording.versions)) or '-'
     reads = recording.reads
     begun = f', read from {_date(reads.ros_ns[0] / NS_PER_S)} on' if reads else ''
-    return f'{recording.size:,} bytes of a BAHRS, protocol version {versions}{begun}.'
+    return f'{recording.size:,} bytes of a {recording.device}, protocol version {versions}{begun}.'
 
 
 def _date(seconds: float) -> str:

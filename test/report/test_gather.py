@@ -8,13 +8,12 @@ from bahrs_driver.protocol.bahrs.messages import Inertial
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.report.clock import analyze_clock
 from bahrs_driver.report.findings import ERROR, findings, GOOD, NOTICE, WARNING
-from bahrs_driver.report.gather import gather
 from bahrs_driver.report.time_axis import BreakKind
 from bahrs_driver.virtual_serial.cable import adapter_mode
 import numpy as np
 import pytest
 from support.emulated import make_device, make_emulation
-from support.recorded import MadeUp, recorded
+from support.recorded import gathered, MadeUp, recorded
 from support.shared_files import shared_file
 
 
@@ -77,7 +76,7 @@ def test_a_host_clock_that_was_set():
                 late = chunk.read_at > 1_700_000_015_000_000_000
                 yield chunk._replace(read_at=chunk.read_at + 5_000_000_000 * late)
 
-    analysis = analyze_clock(gather(Stepped(make_emulation(), 30.0)))
+    analysis = analyze_clock(gathered(Stepped(make_emulation(), 30.0)))
     assert analysis.host_steps == 1 and analysis.late_99 < 0.02
 
 
@@ -92,7 +91,7 @@ def test_a_host_that_stalled():
                     yield chunk._replace(data=held, raw_at=at - 10 ** 18)
                     held = b''
 
-    analysis = analyze_clock(gather(Stalled(make_emulation(make_device(drift_ppm=40.0)), 30.0)))
+    analysis = analyze_clock(gathered(Stalled(make_emulation(make_device(drift_ppm=40.0)), 30.0)))
     assert analysis.host_steps == 0 and analysis.drift_ppm == pytest.approx(40.0, abs=5.0)
     assert 1.4 < analysis.longest_pause < 1.6
     assert analysis.delay.max() == pytest.approx(1.5, abs=0.02)
@@ -107,7 +106,7 @@ def test_a_host_clock_that_was_set_beside_one_that_nobody_sets():
                 yield chunk._replace(read_at=chunk.read_at - 2_000_000 * late,
                                      raw_at=chunk.read_at - 10 ** 18)
 
-    analysis = analyze_clock(gather(Stepped(make_emulation(), 30.0)))
+    analysis = analyze_clock(gathered(Stepped(make_emulation(), 30.0)))
     assert analysis.host_steps == 1 and analysis.late_99 < 0.02
 
 
@@ -143,7 +142,7 @@ def test_integrity_in_words():
         return advance(until)
 
     emulation.advance = advance_as_planned
-    recording = gather(made)
+    recording = gathered(made)
     assert 'Specific force: unavailable for 3.00 s from 0:04.4.' in said(recording, WARNING)
     assert 'Roll: integrity risk for 0.50 s from 0:09.4.' in said(recording, NOTICE)
     assert recording.inertial.names == Inertial.SIGNALS
@@ -176,7 +175,7 @@ def test_a_restart():
 
 def test_the_real_recording():
     """What is known of it is found: a device at rest, without a heading, that paused once."""
-    recording = gather(read_capture(shared_file('data/bahrs_recording_v2.bin')))
+    recording = gathered(read_capture(shared_file('data/bahrs_recording_v2.bin')))
     assert recording.counts['inertial'] == 47_837 and recording.versions == {2: 78_932}
     assert 'Magnetic heading: unavailable throughout.' in said(recording, WARNING)
     assert 'nothing for 2.7 s' in said(recording, NOTICE)

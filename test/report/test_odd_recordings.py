@@ -8,13 +8,19 @@ import warnings
 from bahrs_driver.bag.read_capture import read_capture
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec
 from bahrs_driver.protocol.bahrs.messages import (
-    Accuracy, Inertial, InertialTime, Navigation, NvmPage, SoftwareVersion, SyncPulseTime,
+    Accuracy,
+    Inertial,
+    InertialTime,
+    Navigation,
+    NvmPage,
+    SoftwareVersion,
+    SyncPulseTime,
 )
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.report.gather import gather
 from bahrs_driver.report.page import page
 import pytest
 from support.emulated import make_emulation, on_the_wire
+from support.recorded import gathered
 
 SAFE = (Integrity.SAFE,) * 6
 
@@ -46,7 +52,7 @@ def made(tmp_path, data):
     path.write_bytes(data)
     with warnings.catch_warnings():
         warnings.simplefilter('error')
-        return ''.join(page(gather(read_capture(path))))
+        return ''.join(page(gathered(read_capture(path))))
 
 
 @pytest.mark.parametrize('messages', ODD.values(), ids=ODD)

@@ -13,12 +13,11 @@ from bahrs_driver.emulator.flights import SteadyTurn
 from bahrs_driver.emulator.measurement_errors import DEVIATIONS, MeasurementErrors
 from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.bahrs.messages import SoftwareVersion
-from bahrs_driver.report.gather import gather
 from bahrs_driver.report.page import page
 from hypothesis import given, settings, strategies as st
 import pytest
 from support.emulated import make_device, make_emulation
-from support.recorded import recorded
+from support.recorded import gathered, recorded
 from support.shared_files import shared_file
 
 VOID = {'meta', 'img', 'br', 'link'}
@@ -92,7 +91,7 @@ def test_a_flight_has_no_noise_at_rest():
 
 def test_noise_of_the_real_recording():
     """Four minutes: no random walk is read off, and no line at half the sample rate."""
-    text = ''.join(page(gather(read_capture(shared_file('data/bahrs_recording_v2.bin')))))
+    text = ''.join(page(gathered(read_capture(shared_file('data/bahrs_recording_v2.bin')))))
     rows = {name: tuple(re.findall('<td>(.*?)</td>', cells)) for name, cells in re.findall(
         '<tr><td>([^<]*)</td>((?:<td>[^<]*</td>){3})</tr>', text)}
     for name in ('rate: K, rate random walk [°/h/√h]', 'force: K, random walk [m/s²/√h]'):

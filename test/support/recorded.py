@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from bahrs_driver.bag.capture import Capture, Chunk
+from bahrs_driver.devices.bahrs.settings import BahrsSettings
+from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.emulator.emulation import Emulation
 from bahrs_driver.report.gather import gather, Recording
 from support.emulated import make_emulation
@@ -36,7 +38,14 @@ class MadeUp(Capture):
                 yield Chunk(data, START + round(now * 1e9) if self._timed else None)
 
 
+def gathered(capture: Capture) -> Recording:
+    """Read a capture of a BAHRS with default settings."""
+    recorded_format = DEVICES['bahrs'].recording_format(BahrsSettings())
+    assert recorded_format
+    return gather(capture, recorded_format)
+
+
 def recorded(emulation: Emulation | None = None, seconds: float = 10.0, every: float = 0.002,
              timed: bool = True) -> Recording:
     """Return the recording of an emulated device."""
-    return gather(MadeUp(emulation or make_emulation(), seconds, every, timed))
+    return gathered(MadeUp(emulation or make_emulation(), seconds, every, timed))

@@ -5,8 +5,10 @@
 from collections.abc import Collection, Mapping
 from typing import Any, TYPE_CHECKING
 
+from bahrs_driver.devices.bahrs.recording_format import make_recording_format
 from bahrs_driver.devices.bahrs.settings import BahrsSettings
 from bahrs_driver.devices.bahrs.stream_decoder import BahrsStreamDecoder
+from bahrs_driver.devices.recording_format import RecordingFormat
 from bahrs_driver.devices.spec import DeviceSpec
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat, frame_type
 from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation
@@ -59,6 +61,10 @@ class BahrsSpec(DeviceSpec[BahrsSettings]):
         frame_format = BahrsFormat()
         return (Pipeline(Framer(frame_format), BahrsCodec()),
                 NvmReader(RequestLoop(link), lambda: frame_format.version_seen))
+
+    def recording_format(self, settings: BahrsSettings) -> RecordingFormat:
+        """Return how `bahrs report` reads recorded frames."""
+        return make_recording_format(settings, self.label)
 
     def topics(self) -> Mapping[str, type]:
         """Return the message type of each topic."""
