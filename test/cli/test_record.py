@@ -167,8 +167,9 @@ def test_several_drivers(tmp_path):
             assert recorder.end() == 0, recorder.text
             assert not any(topic.startswith('/right') for topic in counted(bag))
         assert undecided.wait(LONG) == 1
-    assert undecided.text == ('bahrs record: /left/left_one and /right/right_one run: choose one '
-                             'with --node /left/left_one\n')
+    assert undecided.text == (
+        'bahrs record: /left/left_one and /right/right_one run: choose one with '
+        '--node /left/left_one\n')
 
 
 def test_a_driver_without_raw(tmp_path):
