@@ -12,7 +12,7 @@ import pytest
 import rclpy
 from rclpy.context import Context
 from std_msgs.msg import String, UInt8MultiArray
-from support.processes import wait_for
+from support.waiting import wait_for
 
 EARLIER = 50        # messages of one publisher before anybody listened
 LATER = 20          # messages when somebody does

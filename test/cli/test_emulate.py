@@ -22,7 +22,7 @@ from bahrs_driver.protocol.bahrs.messages import (
 )
 from bahrs_driver.protocol.framing import Framer
 import pytest
-from support.processes import PATIENCE, wait_for
+from support.waiting import PATIENCE, wait_for
 
 MAIN = 'import sys; from bahrs_driver.cli.main import main; sys.exit(main())'
 BYTES_PER_SECOND = 8680         # of version 3

@@ -9,7 +9,7 @@ import rclpy
 from rclpy.context import Context
 from sensor_msgs.msg import Imu
 from std_msgs.msg import Float64
-from support.processes import wait_for
+from support.waiting import wait_for
 
 BACKLOG = 100           # messages that wait on each topic
 

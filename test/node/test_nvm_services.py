@@ -12,7 +12,7 @@ import pytest
 import rclpy
 from rclpy.context import Context
 from std_srvs.srv import Trigger
-from support.processes import PATIENCE
+from support.waiting import PATIENCE
 
 PARAMETERS = {'nvm.page': 3, 'nvm.directory': '/proc/nowhere', 'nvm.dump_path': 'x',
               'nvm.enter_timeout': 2.5, 'nvm.service_frames': 'mpeg2'}

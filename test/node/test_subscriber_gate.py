@@ -5,7 +5,7 @@
 import threading
 
 from bahrs_driver.node.subscriber_gate import SubscriberGate
-from support.processes import PATIENCE
+from support.waiting import PATIENCE
 
 
 class FakePublisher:

@@ -14,7 +14,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.context import Context
 from rclpy.task import Future
-from support.processes import PATIENCE, wait_for
+from support.waiting import PATIENCE, wait_for
 
 
 @contextlib.contextmanager

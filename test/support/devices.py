@@ -13,7 +13,7 @@ from bahrs_driver.protocol.bahrs.messages import (
 )
 from bahrs_driver.protocol.integrity import Integrity
 from diagnostic_msgs.msg import DiagnosticArray
-from support.processes import wait_for
+from support.waiting import wait_for
 
 DIAGNOSTICS = {'/diagnostics': DiagnosticArray}
 SAFE = (Integrity.SAFE,) * 6

@@ -3,14 +3,13 @@
 """Our commands as real processes, and an ear for what they publish."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 import contextlib
 from pathlib import Path
 import signal
 import subprocess
 import sys
 import threading
-import time
 from typing import Any
 
 from bahrs_driver.convert.bahrs.converter import LATCHED
@@ -18,11 +17,10 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from support.waiting import PATIENCE, wait_for
 
 BIN = Path(sys.executable).parent
 MODULES = {'bahrs': 'bahrs_driver.cli.main', 'driver_node': 'bahrs_driver.node.main'}
-# Long enough for a machine that does much else: only what fails ever waits so long.
-PATIENCE = 60.0                 # s
 
 
 def command(name: str, *words: str) -> list[str]:
@@ -155,13 +153,3 @@ def listening(topics: dict[str, type]) -> Iterator[Ear]:
         yield ear
     finally:
         ear.close()
-
-
-def wait_for(condition: Callable[[], object], timeout: float = PATIENCE) -> bool:
-    """Wait until a condition holds; False if it did not in time (seconds)."""
-    end = time.monotonic() + timeout
-    while not condition():
-        if time.monotonic() > end:
-            return False
-        time.sleep(0.005)
-    return True

@@ -13,7 +13,7 @@ from bahrs_driver.transport import link as link_module
 from bahrs_driver.transport.link import Link, LinkError
 from bahrs_driver.virtual_serial.pty_port import PtyPort
 import pytest
-from support.processes import wait_for
+from support.waiting import wait_for
 
 BAUD = 115200
 

@@ -18,7 +18,7 @@ from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.transport.nvm_reader import NvmReader, SessionOptions
 from bahrs_driver.transport.request_loop import RequestLoop
 import pytest
-from support.processes import wait_for
+from support.waiting import wait_for
 
 IMAGE = bytes(index * 13 % 256 for index in range(8000))
 LONG = 60.0             # s; limit for events that follow at once

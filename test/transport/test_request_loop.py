@@ -9,7 +9,7 @@ import time
 from bahrs_driver.errors import LinkError
 from bahrs_driver.transport.request_loop import now_ns, RequestLoop
 import pytest
-from support.processes import wait_for
+from support.waiting import wait_for
 
 LONG = 30.0             # s; limit for events that follow at once
 

@@ -19,7 +19,7 @@ from bahrs_driver.transport.serial_port import LONGEST_BACK_OFF, SerialPort
 from bahrs_driver.transport.waker import Waker
 from bahrs_driver.virtual_serial.pty_port import PtyPort
 import pytest
-from support.processes import wait_for
+from support.waiting import wait_for
 
 BAUD = 115200
 TIOCGEXCL = 0x80045440

@@ -17,8 +17,8 @@ from bahrs_driver.transport.link import Link, LinkError
 from hypothesis import given, HealthCheck, settings, strategies as st
 import pytest
 from serial import rfc2217
-from support.processes import wait_for
 from support.serial_servers import SERVERS
+from support.waiting import wait_for
 
 BAUD = 115200
 KINDS = ('socket', 'rfc2217')

@@ -13,8 +13,8 @@ import threading
 from bahrs_driver.errors import WriteError
 from bahrs_driver.virtual_serial.pty_port import PtyPort
 import pytest
-from support.processes import wait_for
 from support.targets import EVERY_KIND, IMPOSSIBLE, snapshot
+from support.waiting import wait_for
 
 
 @contextlib.contextmanager
