@@ -21,13 +21,16 @@ NEARBY = 4                      # navigation messages that may be lost before it
 
 
 class NavigationCounter:
-    """Finds the sample of a navigation message."""
+    """
+    Finds the sample of a navigation message, with a number of samples per navigation message.
 
-    def __init__(self, samples: int) -> None:
-        """Expect a number of samples per navigation message."""
+    prior is the number of votes for the difference 0 at the start.
+    """
+
+    def __init__(self, samples: int, prior: int = PRIOR) -> None:
         self._samples = samples
         self._difference, self._certain = 0, False
-        self._recent: deque[int] = deque([0] * PRIOR, maxlen=WITNESSES)
+        self._recent: deque[int] = deque([0] * prior, maxlen=WITNESSES)
 
     def pair(self, navigation: int, sample: int) -> None:
         """Add the counters of a navigation message and of the latest sample."""
@@ -37,6 +40,10 @@ class NavigationCounter:
         if unanimous or not self._certain:
             self._difference = frequent
             self._certain = unanimous
+
+    def matches(self, navigation: int, sample: int) -> bool:
+        """Return whether a navigation message was computed from a sample, by their counters."""
+        return (sample - self._samples * navigation) % COUNTER_MODULUS == self._difference
 
     def count(self, navigation: int, near: CountedSequence) -> int | None:
         """

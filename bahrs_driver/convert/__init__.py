@@ -1,8 +1,8 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Device messages to ROS messages.
+Convert device messages to ROS messages.
 
-Axes, atmosphere, covariance and pairing are plain arithmetic; one module for each device puts
-their results into sensor_msgs and its relatives.
+Axes, atmosphere and covariance are plain arithmetic; one package for each device builds messages
+from their results.
 """

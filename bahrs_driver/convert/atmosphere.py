@@ -29,7 +29,12 @@ def pressure_height(static_pressure: float) -> float:
     return float((1 - temperature_ratio) * SEA_LEVEL_TEMPERATURE / LAPSE_RATE)
 
 
+def density(height: float) -> float:
+    """Return the density of the air in kg/m^3 at a pressure height in m."""
+    return pressure(height) / (GAS_CONSTANT * (SEA_LEVEL_TEMPERATURE - LAPSE_RATE * height))
+
+
 def pressure_gradient(height: float) -> float:
-    """Return how the static pressure changes with height, in Pa/m (negative)."""
+    """Return the change of static pressure with height, in Pa/m (negative)."""
     temperature = SEA_LEVEL_TEMPERATURE - LAPSE_RATE * height
     return -pressure(height) * STANDARD_GRAVITY / (GAS_CONSTANT * temperature)

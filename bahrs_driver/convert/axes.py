@@ -1,11 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-From the devices' axes to those of ROS.
+Convert from the axes of the devices to those of ROS.
 
-The devices speak of forward, right, down (FRD) and north, east, down (NED). REP-103 wants
-forward, left, up (FLU) and east, north, up (ENU). A Convention turns the former into what is
-published; there is one for each value of the parameter `frame_convention`.
+The devices use forward, right, down (FRD) and north, east, down (NED). REP-103 requires forward,
+left, up (FLU) and east, north, up (ENU). A Convention converts to the published axes; there is one
+for each value of the parameter `frame_convention`.
 """
 
 from collections.abc import Callable
@@ -46,8 +46,8 @@ def same_sign(rotation: Quaternion, last: Quaternion) -> Quaternion:
     """
     Return a rotation with the sign that is nearer to the last one.
 
-    Both signs are the same attitude, but consumers that interpolate or filter components see a
-    jump where the sign changes.
+    Both signs are the same attitude, but a change of the sign is a jump for programs that
+    interpolate or filter the components.
     """
     w, x, y, z = rotation
     if w * last.w + x * last.x + y * last.y + z * last.z >= 0.0:
@@ -55,8 +55,8 @@ def same_sign(rotation: Quaternion, last: Quaternion) -> Quaternion:
     return Quaternion(-w, -x, -y, -z)
 
 
-def turned_to_body(vector: Vector, body_to_world: Quaternion) -> Vector:
-    """Return a vector in navigation axes as it stands in body axes."""
+def rotate_to_body(vector: Vector, body_to_world: Quaternion) -> Vector:
+    """Rotate a vector from navigation axes to body axes."""
     w, x, y, z = body_to_world
     a, b, c = vector
     # Twice the cross product of the rotation's axis, reversed, and the vector.
@@ -67,45 +67,45 @@ def turned_to_body(vector: Vector, body_to_world: Quaternion) -> Vector:
 
 
 def flu(frd: Vector) -> Vector:
-    """Return a body vector given forward, right, down as forward, left, up."""
+    """Convert a body vector from forward, right, down to forward, left, up."""
     x, y, z = frd
     return x, 0.0 - y, 0.0 - z
 
 
 def enu(ned: Vector) -> Vector:
-    """Return a vector given north, east, down as east, north, up."""
+    """Convert a vector from north, east, down to east, north, up."""
     north, east, down = ned
     return east, north, 0.0 - down
 
 
 def enu_diagonal(ned: Vector) -> Vector:
-    """Return what belongs to the north, east and down axes in the order east, north, up."""
+    """Reorder values for the north, east and down axes to east, north, up."""
     north, east, down = ned
     return east, north, down
 
 
 def flu_to_enu(frd_to_ned: Quaternion) -> Quaternion:
-    """Return the same attitude as a rotation from forward, left, up to east, north, up."""
+    """Convert an attitude from FRD to NED axes into a rotation from FLU to ENU axes."""
     w, x, y, z = frd_to_ned
     return Quaternion(_SQRT_HALF * (w + z), _SQRT_HALF * (x + y),
                       _SQRT_HALF * (x - y), _SQRT_HALF * (w - z))
 
 
-def _as_it_is(value: Any) -> Any:
+def _identity(value: Any) -> Any:
     return value
 
 
 @dataclass(frozen=True)
 class Convention:
-    """How vectors, deviations and rotations in the device's axes are published."""
+    """Converts vectors, variances and rotations from the axes of the device."""
 
     body: Callable[[Vector], Vector]                    # a vector in body axes
     world: Callable[[Vector], Vector]                   # a vector in navigation axes
-    diagonal: Callable[[Vector], Vector]            # what goes with the navigation axes
+    diagonal: Callable[[Vector], Vector]                # variances about navigation axes
     orientation: Callable[[Quaternion], Quaternion]     # body to navigation axes
 
 
 CONVENTIONS = {
     'enu': Convention(flu, enu, enu_diagonal, flu_to_enu),
-    'ned': Convention(_as_it_is, _as_it_is, _as_it_is, _as_it_is),
+    'ned': Convention(_identity, _identity, _identity, _identity),
 }

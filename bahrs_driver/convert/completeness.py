@@ -1,12 +1,12 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Which messages are complete: none of their numbers is NaN.
+Find messages that are complete: none of their numbers is NaN.
 
-A NaN says that a component is not reported. Filters that keep a state, as most orientation filters
-do, never get rid of one. A user who feeds such a filter has messages withheld that hold one.
-NavSatFix is left alone: the altitude of `pressure_altitude` has no latitude and longitude, and a
-`fix` without a position says so by its status.
+NaN means that a component is not reported. A filter with a state, such as most orientation
+filters, never recovers from a NaN, so its user may have incomplete messages withheld. NavSatFix is
+not checked: the altitude of `pressure_altitude` has no latitude and longitude, and the status of a
+`fix` shows whether it has a position.
 """
 
 from collections.abc import Callable, Iterable, Iterator

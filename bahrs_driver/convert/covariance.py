@@ -1,14 +1,13 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Covariance matrices as ROS messages carry them: flat, row by row.
+Build covariance matrices for ROS messages: flat, row by row.
 
-REP-145 has two marks: all zeros when nothing is known of the covariance, and -1 in the first
-element when the quantity itself is not reported. Consumers read the numbers: robot_localization
-takes a variance of 0 for near certainty (1e-9), and leaves out what is NaN. So a standard
-deviation of 0, which stands for unknown in the parameters, gives zeros only where the whole matrix
-is unknown. A component that is not known beside others that are has UNKNOWN_VARIANCE, which no
-filter takes for information.
+REP-145 has two marks: all zeros if the covariance is unknown, and -1 in the first element if the
+quantity itself is not reported. Subscribers use the numbers: robot_localization treats a variance
+of 0 as near certainty (1e-9), and ignores NaN. So a standard deviation of 0, which means unknown
+in the parameters, gives zeros only if the whole matrix is unknown. An unknown component beside
+known ones has UNKNOWN_VARIANCE, which no filter uses as information.
 """
 
 from collections.abc import Sequence
@@ -28,28 +27,28 @@ def diagonal(variances: Sequence[float]) -> Matrix:
 
 
 def known_diagonal(variances: Sequence[float]) -> Matrix:
-    """Return the flat diagonal matrix of variances of which those that are 0 are unknown."""
+    """Return the flat diagonal matrix of variances, of which 0 is unknown."""
     if not any(variances):
         return diagonal(variances)
     return diagonal([variance or UNKNOWN_VARIANCE for variance in variances])
 
 
-def of_vector(worth: Sequence[float | None], stddev: float) -> Matrix:
+def of_vector(factors: Sequence[float | None], stddev: float) -> Matrix:
     """
     Return the covariance of a vector whose components have the same standard deviation.
 
-    Each variance is multiplied by the worth of its component. One without worth (None) is not
-    reported; if none has any the vector is not. A standard deviation of 0 is unknown.
+    Each variance is multiplied by the factor of its component. A component with factor None is not
+    reported; if all factors are None, the vector is not. A standard deviation of 0 is unknown.
     """
-    if all(factor is None for factor in worth):
+    if all(factor is None for factor in factors):
         return NOT_REPORTED
     return known_diagonal([UNKNOWN_VARIANCE if factor is None or not stddev and factor != 1.0
-                           else factor * stddev ** 2 for factor in worth])
+                           else factor * stddev ** 2 for factor in factors])
 
 
 def of_orientation(deviations: Sequence[float | None]) -> Matrix:
     """
-    Return the covariance of an orientation from its deviations about the three axes (rad).
+    Return the covariance of an orientation from standard deviations about the three axes (rad).
 
     None and 0 are unknown.
     """

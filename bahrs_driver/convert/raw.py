@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The topic `raw`: the bytes of each read, as they came."""
+"""The topic `raw`: the bytes of each read."""
 
 from array import array
 
@@ -10,7 +10,7 @@ TOPIC = 'raw'
 
 
 def message(data: bytes, label: str) -> UInt8MultiArray:
-    """Return the bytes of one read, and a label that tells of it."""
+    """Return the bytes of one read with a label."""
     size = len(data)
     dimension = MultiArrayDimension(label=label, size=size, stride=size)
     return UInt8MultiArray(layout=MultiArrayLayout(dim=[dimension]), data=array('B', data))

@@ -1,11 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""ROS messages from plain numbers; the only knowledge of message fields there is."""
+"""Build ROS messages from plain numbers. No other module knows their fields."""
 
 from bahrs_driver.convert import covariance
 from bahrs_driver.convert.axes import NO_ROTATION, Quaternion
 from bahrs_driver.convert.covariance import Matrix
-from bahrs_driver.convert.utm import Place
+from bahrs_driver.convert.utm import LatLon
 from bahrs_driver.protocol.layout import Vector
 from bahrs_driver.units import NS_PER_S, US_PER_S
 from geometry_msgs.msg import (
@@ -27,7 +27,7 @@ _Z = 2
 
 
 def nanoseconds(header: Header) -> int:
-    """Return the stamp of a foreign header. It may be any, and rclpy.time.Time raises for some."""
+    """Return the stamp of a received header in ns; rclpy.time.Time raises for some stamps."""
     return int(header.stamp.sec * NS_PER_S + header.stamp.nanosec)
 
 
@@ -43,7 +43,7 @@ def imu(head: Header, orientation: Quaternion | None, orientation_covariance: Ma
     """
     Return angular rate (rad/s), specific force (m/s^2) and orientation with their covariances.
 
-    NaN is a component that is not reported, None an orientation that is not.
+    A component of NaN, and an orientation of None, is not reported.
     """
     message = Imu(header=head)
     message.orientation = _quaternion(orientation or NO_ROTATION)
@@ -77,15 +77,15 @@ def altitude_fix(head: Header, altitude: float, stddev: float) -> NavSatFix:
     return message
 
 
-def position_fix(head: Header, place: Place | None, altitude: float, horizontal_stddev: float,
+def position_fix(head: Header, position: LatLon | None, altitude: float, horizontal_stddev: float,
                  vertical_stddev: float) -> NavSatFix:
-    """Return a position in degrees and m above the ellipsoid; without a place it is no fix."""
-    if place is None:
+    """Return a position in degrees and m above the ellipsoid; without one it is no fix."""
+    if position is None:
         message = NavSatFix(header=head, latitude=_NAN, longitude=_NAN, altitude=_NAN)
         message.status = NavSatStatus(status=NavSatStatus.STATUS_NO_FIX,
                                       service=NavSatStatus.SERVICE_GPS)
         return message
-    message = NavSatFix(header=head, latitude=place.latitude, longitude=place.longitude,
+    message = NavSatFix(header=head, latitude=position.latitude, longitude=position.longitude,
                         altitude=altitude)
     message.status = NavSatStatus(status=NavSatStatus.STATUS_FIX,
                                   service=NavSatStatus.SERVICE_GPS)
@@ -125,7 +125,7 @@ def twist(head: Header, velocity: Vector, stddev: float) -> TwistWithCovarianceS
 def odometry(head: Header, child_frame_id: str, position: Vector, orientation: Quaternion,
              pose_covariance: Matrix, velocity: Vector, rate: Vector,
              twist_covariance: Matrix) -> Odometry:
-    """Return where a body is in the header's frame (m), and how it moves in its own (m/s)."""
+    """Return the pose of a body in the header's frame (m) and its twist in its own (m/s)."""
     message = Odometry(header=head, child_frame_id=child_frame_id)
     x, y, z = position
     message.pose.pose.position = Point(x=x, y=y, z=z)

@@ -12,7 +12,7 @@ import math
 from bahrs_driver.convert import completeness
 from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.bahrs.converter import BahrsConverter, TOPICS as BAHRS_TOPICS
-from bahrs_driver.convert.bahrs.integrity_policy import Appraisal
+from bahrs_driver.convert.bahrs.integrity_policy import IntegrityPolicy
 from bahrs_driver.convert.titan_m.converter import TitanConverter, TOPICS as TITAN_TOPICS
 from bahrs_driver.protocol.bahrs.messages import Accuracy, Inertial, Navigation
 from bahrs_driver.protocol.integrity import Integrity
@@ -123,7 +123,8 @@ def check_imu(published):
        st.sampled_from([0.0, 0.2, -2.0]))
 def test_no_variance_of_a_bahrs_is_zero(stream, policy, declination):
     """With a known deviation for everything, whatever is available."""
-    published = from_bahrs(stream, appraisal=Appraisal(policy, 100.0), declination=declination,
+    published = from_bahrs(stream, integrity_policy=IntegrityPolicy(policy, 100.0),
+                           declination=declination,
                            orientation_fallback=0.1, field_dip=1.0)
     check_covariances(published, True)
     check_imu(published)

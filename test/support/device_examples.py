@@ -6,7 +6,7 @@ import math
 
 from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.bahrs.converter import BahrsOptions
-from bahrs_driver.convert.bahrs.integrity_policy import Appraisal
+from bahrs_driver.convert.bahrs.integrity_policy import IntegrityPolicy
 from bahrs_driver.convert.titan_m.converter import TitanDeviations, TitanOptions
 from bahrs_driver.protocol.bahrs.messages import Accuracy, Inertial, Navigation
 from bahrs_driver.protocol.integrity import Integrity
@@ -22,7 +22,7 @@ BAHRS_OPTIONS = BahrsOptions(
     frame_id='imu_link', world_frame_id='map', convention=CONVENTIONS['enu'], force_stddev=0.1,
     rate_stddev=0.2, height_stddev=2.0, velocity_stddev=0.5, declination=0.0,
     field_strength=50e-6, field_dip=0.0, publish_field=True,
-    appraisal=Appraisal('inflate', 100.0))
+    integrity_policy=IntegrityPolicy('inflate', 100.0))
 
 STATE = State((100.0, 200.0, -50.0), (3.0, 4.0, -1.0), (0.0, 0.0, math.pi / 2), (0.1, 0.2, 0.3))
 GPS = Gps(1000.5, 500_000.0, 5_000_000.0, 600.0, (1.0, 2.0, 3.0), 90.0, 4.0, 3.0, 32, True)

@@ -54,7 +54,7 @@ def is_exclusive(path):
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason='only root may open an exclusive port again')
-def test_it_is_open_for_this_program_alone_as_long_as_it_is_open(port):
+def test_it_is_open_for_this_program_alone_as_long_identity_open(port):
     """A pseudo-terminal would remember the mark, and the driver lock itself out."""
     with opened(port.path):
         assert is_exclusive(port.path)

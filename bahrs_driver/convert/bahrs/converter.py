@@ -1,13 +1,13 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What the messages of the BAHRS become in ROS.
+Convert the messages of the BAHRS to ROS messages.
 
-An inertial message gives `imu/data_raw`. A navigation message gives everything else, and carries
-the stamp of the inertial sample that it was made with, for both are of the same device time. A
-signal that is unavailable is not made up: what would have nothing else to say is not published,
-except for the Imu messages, in which a whole quantity is marked as not reported (REP-145) and a
-lone component is NaN.
+An inertial message becomes `imu/data_raw`. A navigation message becomes all other topics, with the
+stamp of the inertial sample that it was computed from, because both have the same device time. No
+value replaces an unavailable signal: a topic without any available signal is not published, except
+for the Imu messages, in which a whole quantity is marked as not reported (REP-145) and a single
+component is NaN.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -15,20 +15,23 @@ from dataclasses import dataclass
 import math
 from typing import NamedTuple
 
+from bahrs_driver.clock.navigation import NavigationCounter
 from bahrs_driver.convert import atmosphere, covariance, ros
 from bahrs_driver.convert.axes import (
     Convention, NO_ROTATION, Quaternion, quaternion_from_euler, same_sign,
 )
 from bahrs_driver.convert.bahrs import magnetic
 from bahrs_driver.convert.bahrs.integrity_notice import IntegrityNotice
-from bahrs_driver.convert.bahrs.integrity_policy import Appraisal, reported, Worth
+from bahrs_driver.convert.bahrs.integrity_policy import (
+    IntegrityPolicy, mask_unavailable, VarianceFactor,
+)
 from bahrs_driver.convert.bahrs.orientation_accuracy import OrientationAccuracy
-from bahrs_driver.convert.bahrs.pairing import Pairing
 from bahrs_driver.convert.completeness import without_incomplete
 from bahrs_driver.convert.covariance import Matrix
 from bahrs_driver.protocol.bahrs.messages import (
     Accuracy, Inertial, InertialTime, Navigation, SyncPulseTime,
 )
+from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.protocol.layout import Vector
 from bahrs_driver.units import ROS_TIME_END_S, US_PER_S
@@ -50,11 +53,11 @@ TOPICS: dict[str, type] = {
     'time_reference': TimeReference,
     'sync_pulse': TimeReference,
 }
-# Of these a late joiner gets what was last published.
+# A late subscriber receives the last message of these.
 LATCHED = {'integrity'}
 
 TIME_SOURCE = 'bahrs'
-LONGEST_APART = 500_000_000     # ns by which a message may be stamped after its inertial sample
+MAX_STAMP_DIFFERENCE = 500_000_000      # ns of a message after its inertial sample
 LONGEST_TIME_US = ROS_TIME_END_S * US_PER_S
 
 Outgoing = Iterator[tuple[str, object]]
@@ -62,7 +65,7 @@ Outgoing = Iterator[tuple[str, object]]
 
 @dataclass(frozen=True)
 class BahrsOptions:
-    """What the user may choose: frames, axes, assumed deviations (SI), field and risk policy."""
+    """The options: frames, axes, assumed standard deviations (SI), field and risk policy."""
 
     frame_id: str
     world_frame_id: str
@@ -75,13 +78,13 @@ class BahrsOptions:
     field_strength: float
     field_dip: float
     publish_field: bool
-    appraisal: Appraisal
+    integrity_policy: IntegrityPolicy
     orientation_fallback: float = 0.0       # rad; 0 is unknown
     withhold_incomplete: bool = False
 
 
 class _Sample(NamedTuple):
-    """An inertial sample in published axes, with NaN for what has no worth."""
+    """An inertial sample in published axes, with NaN for unavailable components."""
 
     stamp_ns: int
     force: Vector
@@ -91,7 +94,7 @@ class _Sample(NamedTuple):
 
 
 class BahrsConverter:
-    """Turns the stream of device messages into (topic, ROS message) pairs."""
+    """Converts the stream of device messages to (topic, ROS message) pairs."""
 
     def __init__(self, options: BahrsOptions) -> None:
         self._options = options
@@ -99,30 +102,30 @@ class BahrsConverter:
             options.convention, options.declination, options.orientation_fallback)
         self._notice = IntegrityNotice(Inertial.SIGNALS + Navigation.SIGNALS)
         self._handlers: dict[type, Callable[..., Outgoing]] = {
-            Inertial: self._inertial, Navigation: self._navigation, Accuracy: self._take_accuracy,
+            Inertial: self._inertial, Navigation: self._navigation, Accuracy: self._store_accuracy,
             InertialTime: self._time, SyncPulseTime: self._pulse}
         self._forget()
 
     @property
     def signals(self) -> Mapping[str, Integrity | None]:
-        """Present integrity of each signal; None if it was not heard of."""
+        """Present integrity of each signal; None if none was received."""
         return self._notice.signals
 
     def lost(self, stamp_ns: int) -> Outgoing:
-        """Forget the stream; return the notice that no signal is known. stamp_ns is present."""
+        """Forget the stream; return the notice that no signal is known, at the present time."""
         self._forget()
         notice = self._notice.forget(stamp_ns, self._options.frame_id)
         return iter([('integrity', notice)] if notice else [])
 
     def silent(self, stamp_ns: int) -> Outgoing:
-        """Return the notice that no signal is known any more. stamp_ns is the present time."""
+        """Return the notice that no signal is known any more, at the present time."""
         notice = self._notice.forget(stamp_ns, self._options.frame_id) \
             if self._notice.known else None
         return iter([('integrity', notice)] if notice else [])
 
     def convert(self, message: object, stamp_ns: int) -> Outgoing:
         """
-        Return what a message becomes, one by one; nothing for those that no topic carries.
+        Convert a message; the result is empty for messages without a topic.
 
         stamp_ns is the message's time in nanoseconds since the epoch.
         """
@@ -131,22 +134,23 @@ class BahrsConverter:
         return without_incomplete(outgoing) if self._options.withhold_incomplete else outgoing
 
     def _forget(self) -> None:
-        self._pairing = Pairing[_Sample]()
-        self._accuracy.begin()
+        self._pairing = NavigationCounter(ROLES.samples_per_navigation, prior=0)
+        self._latest: tuple[int, _Sample] | None = None     # sequence number, sample
+        self._accuracy.reset()
         self._orientation = NO_ROTATION
         self._navigation_stamp = 0
 
     def _inertial(self, message: Inertial, stamp_ns: int) -> Outgoing:
         yield from self._changes(message, stamp_ns)
         options = self._options
-        worth = options.appraisal.of(message.health)
+        factors = options.integrity_policy.variance_factors(message.health)
         sample = _Sample(
             stamp_ns,
-            options.convention.body(reported(message.specific_force, worth[:3])),
-            covariance.of_vector(worth[:3], options.force_stddev),
-            options.convention.body(reported(message.angular_rate, worth[3:])),
-            covariance.of_vector(worth[3:], options.rate_stddev))
-        self._pairing.inertial(message.sequence, sample)
+            options.convention.body(mask_unavailable(message.specific_force, factors[:3])),
+            covariance.of_vector(factors[:3], options.force_stddev),
+            options.convention.body(mask_unavailable(message.angular_rate, factors[3:])),
+            covariance.of_vector(factors[3:], options.rate_stddev))
+        self._latest = message.sequence, sample
         yield 'imu/data_raw', self._imu(sample, None, covariance.NOT_REPORTED)
 
     def _time(self, message: InertialTime, stamp_ns: int) -> Outgoing:
@@ -161,35 +165,44 @@ class BahrsConverter:
             yield topic, ros.time_reference(ros.header(stamp_ns, self._options.frame_id),
                                             device_time_us, TIME_SOURCE)
 
-    def _take_accuracy(self, message: Accuracy, _stamp_ns: int) -> Outgoing:
-        self._accuracy.take(message)
+    def _store_accuracy(self, message: Accuracy, _stamp_ns: int) -> Outgoing:
+        self._accuracy.update(message)
         return iter(())
 
     def _navigation(self, message: Navigation, stamp_ns: int) -> Outgoing:
         self._accuracy.count_navigation()
         sample = self._sample_of(message, stamp_ns)
         yield from self._changes(message, sample.stamp_ns)
-        height, velocity, roll, pitch, heading = self._options.appraisal.of(message.health)
+        height, velocity, roll, pitch, heading = \
+            self._options.integrity_policy.variance_factors(message.health)
         if height is not None:
             yield from self._height(message.pressure_height, height, sample.stamp_ns)
         if velocity is not None:
             yield from self._velocity(message.velocity_down, velocity, sample.stamp_ns)
-        level = None if roll is None or pitch is None else max(roll, pitch)
-        yield from self._attitude(message, sample, level, heading)
-        if level is not None and heading is not None and self._options.publish_field:
-            yield from self._field(message, max(level, heading), sample.stamp_ns)
+        tilt = None if roll is None or pitch is None else max(roll, pitch)
+        yield from self._attitude(message, sample, tilt, heading)
+        if tilt is not None and heading is not None and self._options.publish_field:
+            yield from self._field(message, max(tilt, heading), sample.stamp_ns)
         yield 'heading', ros.number(
             math.nan if heading is None else math.degrees(message.magnetic_heading) % 360.0)
 
     def _sample_of(self, message: Navigation, stamp_ns: int) -> _Sample:
         """Return the inertial sample of a navigation message, or one without values."""
-        sample = self._pairing.navigation(message.sequence)
-        if sample is None or stamp_ns - sample.stamp_ns > LONGEST_APART:
+        sample = self._paired(message.sequence)
+        if sample is None or stamp_ns - sample.stamp_ns > MAX_STAMP_DIFFERENCE:
             sample = _no_sample(stamp_ns)
-        elif sample.stamp_ns == self._navigation_stamp:     # the frame came twice
+        elif sample.stamp_ns == self._navigation_stamp:     # a repeated frame
             sample = sample._replace(stamp_ns=stamp_ns)
         self._navigation_stamp = sample.stamp_ns
         return sample
+
+    def _paired(self, navigation: int) -> _Sample | None:
+        """Return the latest sample if a navigation message was computed from it."""
+        if self._latest is None:
+            return None
+        sequence, sample = self._latest
+        self._pairing.pair(navigation, sequence)
+        return sample if self._pairing.matches(navigation, sequence) else None
 
     def _changes(self, message: Inertial | Navigation, stamp_ns: int) -> Outgoing:
         notice = self._notice.update(message.SIGNALS, message.health, stamp_ns,
@@ -197,9 +210,9 @@ class BahrsConverter:
         if notice is not None:
             yield 'integrity', notice
 
-    def _height(self, height: float, worth: float, stamp_ns: int) -> Outgoing:
+    def _height(self, height: float, factor: float, stamp_ns: int) -> Outgoing:
         options = self._options
-        deviation = options.height_stddev * math.sqrt(worth)
+        deviation = options.height_stddev * math.sqrt(factor)
         here = ros.header(stamp_ns, options.frame_id)
         world = ros.header(stamp_ns, options.world_frame_id)
         _, _, z = options.convention.world((0.0, 0.0, -height))
@@ -208,15 +221,15 @@ class BahrsConverter:
         yield 'pressure_altitude', ros.altitude_fix(here, height, deviation)
         yield 'altitude/pose', ros.height_pose(world, z, deviation)
 
-    def _velocity(self, velocity_down: float, worth: float, stamp_ns: int) -> Outgoing:
+    def _velocity(self, velocity_down: float, factor: float, stamp_ns: int) -> Outgoing:
         options = self._options
         _, _, z = options.convention.world((0.0, 0.0, velocity_down))
         yield 'velocity', ros.vertical_twist(ros.header(stamp_ns, options.world_frame_id), z,
-                                             options.velocity_stddev * math.sqrt(worth))
+                                             options.velocity_stddev * math.sqrt(factor))
 
-    def _attitude(self, message: Navigation, sample: _Sample, level: Worth,
-                  heading: Worth) -> Outgoing:
-        if level is None:
+    def _attitude(self, message: Navigation, sample: _Sample, tilt: VarianceFactor,
+                  heading: VarianceFactor) -> Outgoing:
+        if tilt is None:
             yield 'imu/data', self._imu(sample, None, covariance.NOT_REPORTED)
             return
         yaw = 0.0 if heading is None else message.magnetic_heading + self._options.declination
@@ -224,13 +237,13 @@ class BahrsConverter:
         self._orientation = same_sign(self._options.convention.orientation(rotation),
                                       self._orientation)
         yield 'imu/data', self._imu(sample, self._orientation,
-                                    self._accuracy.matrix(level, heading))
+                                    self._accuracy.matrix(tilt, heading))
 
-    def _field(self, message: Navigation, worth: float, stamp_ns: int) -> Outgoing:
+    def _field(self, message: Navigation, factor: float, stamp_ns: int) -> Outgoing:
         options, accuracy = self._options, self._accuracy
         field, spread = magnetic.derived_field(
-            message.roll, message.pitch, message.magnetic_heading, accuracy.heading(worth),
-            options.field_strength, options.field_dip, options.convention, accuracy.north(worth))
+            message.roll, message.pitch, message.magnetic_heading, accuracy.heading(factor),
+            options.field_strength, options.field_dip, options.convention, accuracy.north(factor))
         yield 'imu/mag', ros.magnetic_field(
             ros.header(stamp_ns, options.frame_id), field, spread)
 

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The topic `integrity`: every change of a signal's integrity, under the stamp of the sample.
+The topic `integrity`: every change of a signal's integrity, with the stamp of the sample.
 
-Each notice has the present state of all signals, so that the last one is enough for a late joiner,
-and all of them together tell for every sample in a bag what it was worth.
+Each notice has the present state of all signals: the last one is enough for a late subscriber, and
+all of them together give the integrity of every sample in a bag.
 """
 
 from collections.abc import Sequence
@@ -23,10 +23,10 @@ SET_BACK = NS_PER_S
 
 class IntegrityNotice:
     """
-    Remembers the integrity of all signals, and returns a notice of each change.
+    Stores the integrity of all signals, and returns a notice of each change.
 
-    Stamps of notices never decrease, though some are of samples and others of the host: only a
-    clock that was set back by more than SET_BACK is followed.
+    Stamps of notices never decrease, though some are of samples and others of the host, unless the
+    clock was set back by more than SET_BACK.
     """
 
     def __init__(self, signals: Sequence[str]) -> None:
@@ -37,7 +37,7 @@ class IntegrityNotice:
 
     def update(self, names: tuple[str, ...], health: Health, stamp_ns: int,
                frame_id: str) -> DiagnosticArray | None:
-        """Take the health of one sample; return a notice if it differs from the last one's."""
+        """Update from the health of one sample; return a notice if it changed."""
         self._sampled = stamp_ns
         if self._last.get(names) == health:
             return None
@@ -52,10 +52,10 @@ class IntegrityNotice:
 
     def forget(self, stamp_ns: int, frame_id: str) -> DiagnosticArray | None:
         """
-        Forget all signals; return a notice if that is a change, or the first notice at all.
+        Forget all signals; return a notice if that is a change, or the first notice.
 
-        Its stamp is just after the latest sample, so that any sample to come is later. stamp_ns,
-        the present time, is for a stream that had no sample.
+        Its stamp is just after the latest sample, and before any later one. stamp_ns, the present
+        time, applies to a stream without samples.
         """
         if self._published and not self.known:
             return None

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a signal is worth by its integrity, as a factor on its variance.
+Map the integrity of a signal to a factor on its variance.
 
-A safe signal has its variance as it is, an unavailable one has no worth at all (None), and for one
-at integrity risk the user decides: it is published with a larger variance, withheld, or passed on.
+The factor of a safe signal is 1, and an unavailable signal has none (None). For a signal at
+integrity risk the user decides: it is published with a larger variance, withheld, or passed on.
 """
 
 from collections.abc import Iterable
@@ -15,39 +15,38 @@ from bahrs_driver.convert.covariance import UNKNOWN_VARIANCE
 from bahrs_driver.protocol.integrity import Health, Integrity
 from bahrs_driver.protocol.layout import Vector
 
-UNKNOWN_DEVIATION = math.sqrt(UNKNOWN_VARIANCE)
+UNKNOWN_STDDEV = math.sqrt(UNKNOWN_VARIANCE)
 RiskPolicy = Literal['inflate', 'withhold', 'pass']
-Worth = float | None
+VarianceFactor = float | None
 
 
-class Appraisal:
-    """Tells what signals are worth."""
+class IntegrityPolicy:
+    """Returns variance factors; inflation is that of a signal at risk with policy 'inflate'."""
 
     def __init__(self, policy: RiskPolicy, inflation: float) -> None:
-        at_risk: dict[str, Worth] = {'inflate': inflation, 'withhold': None, 'pass': 1.0}
-        self._worth: dict[Integrity, Worth] = {
+        at_risk: dict[str, VarianceFactor] = {'inflate': inflation, 'withhold': None, 'pass': 1.0}
+        self._factors: dict[Integrity, VarianceFactor] = {
             Integrity.SAFE: 1.0, Integrity.INTEGRITY_RISK: at_risk[policy],
             Integrity.UNAVAILABLE: None, Integrity.RESERVED: None}
 
-    def of(self, health: Health) -> list[Worth]:
-        """Return the worth of each signal."""
-        return [self._worth[integrity] for integrity in health]
+    def variance_factors(self, health: Health) -> list[VarianceFactor]:
+        """Return the variance factor of each signal."""
+        return [self._factors[integrity] for integrity in health]
 
 
-def reported(vector: Vector, worth: Iterable[Worth]) -> Vector:
-    """Return the vector with NaN in place of components without worth."""
-    x, y, z = (math.nan if value is None else component
-               for component, value in zip(vector, worth))
+def mask_unavailable(vector: Vector, factors: Iterable[VarianceFactor]) -> Vector:
+    """Return the vector with NaN in place of components without a variance factor."""
+    x, y, z = (math.nan if factor is None else component
+               for component, factor in zip(vector, factors))
     return x, y, z
 
 
-def inflated(deviation: float | None, worth: float) -> float | None:
+def inflated_stddev(stddev: float | None, factor: float) -> float | None:
     """
-    Return a standard deviation whose variance is multiplied by the worth.
+    Return a standard deviation whose variance is multiplied by the factor.
 
-    None, which is not known, stays so for a safe signal and is unknown in so many words for one
-    at risk.
+    None stays None for a safe signal and becomes UNKNOWN_STDDEV for one at risk.
     """
-    if deviation is None:
-        return None if worth == 1.0 else UNKNOWN_DEVIATION
-    return deviation * math.sqrt(worth)
+    if stddev is None:
+        return None if factor == 1.0 else UNKNOWN_STDDEV
+    return stddev * math.sqrt(factor)

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-A magnetic field for those who want one from a device that reports only a heading.
+Derive a magnetic field from the heading of a device that measures no field.
 
-The horizontal part of the earth's field points to magnetic north, and the heading says where
-that is. Strength and dip are assumed, so only the direction across the field, in the horizontal
+The horizontal part of the earth's field points to magnetic north, whose direction the heading
+gives. Strength and dip are assumed, so only the direction across the field, in the horizontal
 plane, is known; the covariance is open along the other two. In that direction an error of the
 heading moves the horizontal part of the field, and a tilt about magnetic north the vertical part.
 """
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 
 def rotation_to_body(roll: float, pitch: float, heading: float) -> NDArray[np.float64]:
-    """Return the matrix that turns north, east, down into forward, right, down (radians)."""
+    """Return the rotation matrix from north, east, down to forward, right, down (radians)."""
     cr, sr = math.cos(roll), math.sin(roll)
     cp, sp = math.cos(pitch), math.sin(pitch)
     ch, sh = math.cos(heading), math.sin(heading)
@@ -37,9 +37,9 @@ def derived_field(roll: float, pitch: float, heading: float, heading_std: float 
     Return the body field that fits attitude and magnetic heading, and its covariance.
 
     Angles are in radians, the dip positive downward, strength and result in tesla. north_std is
-    the standard deviation of the attitude about magnetic north. Along what is not known one
-    standard deviation is the whole strength. Without a standard deviation of the heading nothing
-    is known of the covariance.
+    the standard deviation of the attitude about magnetic north. In the unknown directions the
+    standard deviation is the whole strength. Without a standard deviation of the heading the
+    covariance is unknown.
     """
     to_body = rotation_to_body(roll, pitch, heading)
     horizontal, vertical = strength * math.cos(dip), strength * math.sin(dip)

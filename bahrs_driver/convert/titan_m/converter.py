@@ -1,14 +1,14 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What the answers of the Titan-M become in ROS.
+Convert the answers of the Titan-M to ROS messages.
 
-Each answer is measured, and stamped, by itself. `imu/data` has the attitude of a state answer
-under its stamp, with the calibrated force and rate of the sensor answer just before it. What
-is not a number is not reported.
+Each answer is a measurement with its own stamp. `imu/data` has the attitude and stamp of a state
+answer, with the calibrated force and rate of the sensor answer just before it. NaN and infinity
+are not reported.
 
-The document speaks of velocity north and east and of heading, and of UTM only for the position.
-So they are taken to be from true north, and the convergence of the grid does not come in.
+The document defines velocity north and east and heading, and uses UTM only for the position. So
+they refer to true north, without the convergence of the grid.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from bahrs_driver.convert import covariance, ros
 from bahrs_driver.convert.axes import (
-    Convention, NO_ROTATION, Quaternion, quaternion_from_euler, same_sign, turned_to_body,
+    Convention, NO_ROTATION, Quaternion, quaternion_from_euler, rotate_to_body, same_sign,
 )
 from bahrs_driver.convert.completeness import without_incomplete
 from bahrs_driver.convert.covariance import Matrix
@@ -51,11 +51,11 @@ TOPICS: dict[str, type] = {
 }
 LATCHED: set[str] = set()
 
-ABSENT_NS = 2_000_000_000       # after which an answer that never came is not asked for
-TOGETHER_NS = 25_000_000        # a sensor answer and a state answer that make one imu/data
+ABSENT_NS = 2_000_000_000       # after which a kind of answer that never came is not requested
+TOGETHER_NS = 25_000_000        # between sensor and state answer that form one imu/data
 TIME_SOURCE = 'gps'
 ADC_RATE = math.radians(ADC_RATE_DEG)   # rad/s
-ROUNDING = math.sqrt(1 / 12)            # standard deviation of what rounding leaves, in quanta
+ROUNDING = math.sqrt(1 / 12)            # standard deviation of a rounding error, in quanta
 
 Outgoing = Iterator[tuple[str, object]]
 
@@ -79,7 +79,7 @@ class TitanDeviations:
 
 @dataclass(frozen=True)
 class TitanOptions:
-    """What the user may choose: frames, axes, deviations; angles in rad, heights in m."""
+    """The options: frames, axes, standard deviations; angles in rad, heights in m."""
 
     frame_id: str
     world_frame_id: str
@@ -89,7 +89,7 @@ class TitanOptions:
     geoid_height: float
     gps_week: int
     leap_seconds: int
-    # Velocity is that of the GPS without a state, and only the GPS tells whether there was a fix.
+    # Without state answers, velocity is that of the GPS. Only GPS answers report the fix.
     asked: Collection[type[TitanAnswer]] | None     # None: others ask, and what comes will tell
     withhold_incomplete: bool = False
 
@@ -103,7 +103,7 @@ class _Sample(NamedTuple):
 
 
 class TitanConverter:
-    """Turns answers into (topic, ROS message) pairs."""
+    """Converts answers to (topic, ROS message) pairs."""
 
     def __init__(self, options: TitanOptions) -> None:
         self._options = options
@@ -111,20 +111,20 @@ class TitanConverter:
         self._handlers: dict[type, Callable[..., Outgoing]] = {
             State: self._state, Gps: self._gps, Sensors: self._sensors}
         deviations = options.deviations
-        self._orientation_spread = covariance.of_orientation(options.convention.diagonal(
+        self._orientation_covariance = covariance.of_orientation(options.convention.diagonal(
             (deviations.attitude, deviations.attitude, deviations.heading)))
-        self._spreads = _spreads(deviations.force), _spreads(deviations.rate)
-        self._raw_spreads = (_spreads(math.hypot(deviations.force, ADC_FORCE * ROUNDING)),
-                             _spreads(math.hypot(deviations.rate, ADC_RATE * ROUNDING)))
+        self._covariances = _diagonal(deviations.force), _diagonal(deviations.rate)
+        self._raw_covariances = (_diagonal(math.hypot(deviations.force, ADC_FORCE * ROUNDING)),
+                                 _diagonal(math.hypot(deviations.rate, ADC_RATE * ROUNDING)))
         self._forget()
 
     def lost(self, stamp_ns: int) -> Outgoing:
-        """Forget the stream; nothing is to be said about its end."""
+        """Forget the stream; no message reports its end."""
         self._forget()
         return iter(())
 
     def silent(self, stamp_ns: int) -> Outgoing:
-        """Return nothing: no topic tells of the present."""
+        """Return nothing: no topic reports a pause."""
         return iter(())
 
     def convert(self, message: object, stamp_ns: int) -> Outgoing:
@@ -144,12 +144,12 @@ class TitanConverter:
 
     @property
     def gps_status(self) -> GpsStatus:
-        """Whether the GPS has a fix at present."""
+        """Present status of the GPS."""
         return self._gps_status
 
     @property
     def week_problem(self) -> str:
-        """Return what is wrong with the GPS week, in a sentence; empty if nothing is."""
+        """Sentence about a wrong or unknown GPS week; empty if it is right."""
         return self._gps_time.problem
 
     def take_notices(self) -> list[str]:
@@ -164,7 +164,7 @@ class TitanConverter:
         self._heard: dict[type, int] = {}       # stamp of the first answer of each kind
 
     def _comes(self, kind: type[TitanAnswer], stamp_ns: int) -> bool:
-        """Whether answers of a kind come, as far as can be known now."""
+        """Return whether answers of a kind arrive, as far as known."""
         if self._options.asked is not None:
             return kind in self._options.asked
         return kind in self._heard or stamp_ns - min(self._heard.values()) < ABSENT_NS
@@ -176,7 +176,7 @@ class TitanConverter:
         x, y, z = message.adc_angular_rate_deg
         yield 'imu/data_raw', self._imu(
             stamp_ns, None, body(message.adc_acceleration),
-            body((math.radians(x), math.radians(y), math.radians(z))), self._raw_spreads)
+            body((math.radians(x), math.radians(y), math.radians(z))), self._raw_covariances)
         self._sample = _Sample(stamp_ns, body(_numbers(message.acceleration)),
                                body(_numbers(message.angular_rate)))
         if any(message.magnetic_field_tesla):
@@ -204,7 +204,7 @@ class TitanConverter:
                                           self._orientation)
         _, force, rate = sample or _Sample(0, ros.NO_VECTOR, ros.NO_VECTOR)
         yield 'imu/data', self._imu(
-            stamp_ns, self._orientation if rotation else None, force, rate, self._spreads)
+            stamp_ns, self._orientation if rotation else None, force, rate, self._covariances)
         if _finite(message.velocity_ned):
             yield 'velocity', self._twist(message.velocity_ned, stamp_ns)
         if rotation and _finite(message.position_ned + message.velocity_ned) \
@@ -214,16 +214,16 @@ class TitanConverter:
 
     def _gps(self, message: Gps, stamp_ns: int) -> Outgoing:
         options = self._options
-        place = to_wgs84(message.easting, message.northing, message.zone, message.northern)
+        position = to_wgs84(message.easting, message.northing, message.zone, message.northern)
         head = ros.header(stamp_ns, options.frame_id)
         yield 'fix', ros.position_fix(
-            head, place, message.altitude + options.geoid_height, options.deviations.position,
+            head, position, message.altitude + options.geoid_height, options.deviations.position,
             options.deviations.altitude)
-        if place:
+        if position:
             self._had_fix = True
             if not self._comes(State, stamp_ns):
                 yield 'velocity', self._twist(message.velocity_ned, stamp_ns)
-        self._gps_status = GpsStatus(True, message.zone if place else 0, message.northern)
+        self._gps_status = GpsStatus(True, message.zone if position else 0, message.northern)
         # A time of 0 is one that is not known, and says nothing about the week.
         time = self._gps_time.utc_us(message.gps_time_s, stamp_ns) if message.gps_time_s else None
         if time is not None:
@@ -236,7 +236,7 @@ class TitanConverter:
 
     def _odometry(self, message: State, rotation: Quaternion, stamp_ns: int) -> Odometry:
         options, deviations = self._options, self._options.deviations
-        turn = [self._orientation_spread[i] for i in (0, 4, 8)]
+        turn = [self._orientation_covariance[i] for i in (0, 4, 8)]
         rate = (deviations.rate ** 2 if _finite(message.angular_rate)
                 else covariance.UNKNOWN_VARIANCE)
         position = (deviations.position ** 2, deviations.position ** 2, deviations.altitude ** 2)
@@ -245,18 +245,18 @@ class TitanConverter:
             options.convention.world(message.position_ned),
             self._orientation,
             covariance.of_pairs(position, turn),
-            options.convention.body(turned_to_body(message.velocity_ned, rotation)),
+            options.convention.body(rotate_to_body(message.velocity_ned, rotation)),
             options.convention.body(_numbers(message.angular_rate)),
             covariance.of_pairs((deviations.velocity ** 2,) * 3, (rate,) * 3))
 
     def _imu(self, stamp_ns: int, orientation: Quaternion | None, force: Vector, rate: Vector,
-             spreads: tuple[Matrix, Matrix]) -> Imu:
+             covariances: tuple[Matrix, Matrix]) -> Imu:
         options = self._options
-        force_spread, rate_spread = spreads
+        force_covariance, rate_covariance = covariances
         return ros.imu(
             ros.header(stamp_ns, options.frame_id),
-            orientation, self._orientation_spread,
-            rate, _known(rate, rate_spread), force, _known(force, force_spread))
+            orientation, self._orientation_covariance,
+            rate, _known(rate, rate_covariance), force, _known(force, force_covariance))
 
 
 def _finite(values: tuple[float, ...]) -> bool:
@@ -264,14 +264,14 @@ def _finite(values: tuple[float, ...]) -> bool:
 
 
 def _numbers(vector: Vector) -> Vector:
-    """Return the vector with NaN in place of infinity, which no quantity is either."""
+    """Return the vector with NaN in place of infinity."""
     x, y, z = (value if math.isfinite(value) else math.nan for value in vector)
     return x, y, z
 
 
-def _spreads(deviation: float) -> Matrix:
-    return covariance.of_vector((1.0,) * 3, deviation)
+def _diagonal(stddev: float) -> Matrix:
+    return covariance.of_vector((1.0,) * 3, stddev)
 
 
-def _known(values: Vector, spread: Matrix) -> Matrix:
-    return spread if _finite(values) else covariance.NOT_REPORTED
+def _known(values: Vector, matrix: Matrix) -> Matrix:
+    return matrix if _finite(values) else covariance.NOT_REPORTED

@@ -1,12 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-GPS time of week to UTC.
+Convert GPS time of week to UTC.
 
-A device that reports its time of week does not report the week. The host's clock knows it, unless
-it was never set: the week is the one that brings the time nearest to the host's. A week that the
-user gave serves a host without a clock, and is otherwise only compared. Without either the time is
-not known.
+The device does not report the week. It follows from the host's clock, unless that was never set:
+the week is the one whose time is nearest to the host's. A week set by the user serves a host
+without a clock, and is otherwise only compared. Without either, the time is unknown.
 """
 
 from bahrs_driver.clock.notices import Notices
@@ -20,18 +19,17 @@ EARLIEST_HOST_NS = 1_577_836_800 * NS_PER_S
 
 
 class GpsTime:
-    """Converts times of week, one after the other."""
+    """Converts successive times of week; leap_seconds is GPS time minus UTC."""
 
     def __init__(self, week: int, leap_seconds: int) -> None:
-        """Begin in a week since 1980 (0 if unknown), with GPS time less UTC in seconds."""
-        self._week = week
+        self._week = week               # since 1980; 0 if unknown
         self._start_us = (GPS_EPOCH_S - leap_seconds) * US_PER_S
         self._last_us = 0
         self._notices = Notices()
         self.problem = ''               # what is wrong with the week, in a sentence
 
     def utc_us(self, time_of_week_s: float, host_ns: int) -> int | None:
-        """Return UTC in microseconds since 1970 near the host's time; None if it is not known."""
+        """Return UTC in microseconds since 1970, near the host's time; None if unknown."""
         time_us = round(time_of_week_s * 1000) * 1000
         if not 0 <= time_us < WEEK_US:
             return None
@@ -47,7 +45,7 @@ class GpsTime:
         return self._notices.take()
 
     def _week_near(self, host_ns: int, time_us: int) -> int:
-        """Return the week of a time of week, 0 if unknown; report what is wrong with it."""
+        """Return the week of a time of week, 0 if unknown; update the problem."""
         week, problem = self._week, ''
         if host_ns >= EARLIEST_HOST_NS:
             since_us = host_ns // NS_PER_US - self._start_us - time_us

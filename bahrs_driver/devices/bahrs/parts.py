@@ -10,7 +10,7 @@ from bahrs_driver.clock import ArrivalClock, Clock, ClockOptions, SampleClock
 from bahrs_driver.convert import nvm_page
 from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.bahrs.converter import BahrsConverter, BahrsOptions
-from bahrs_driver.convert.bahrs.integrity_policy import Appraisal
+from bahrs_driver.convert.bahrs.integrity_policy import IntegrityPolicy
 from bahrs_driver.devices.bahrs.health import BahrsHealth
 from bahrs_driver.devices.bahrs.settings import BahrsSettings, ROS_CLOCK
 from bahrs_driver.devices.parts import LivePart, Parts
@@ -82,7 +82,7 @@ def _options(settings: BahrsSettings) -> BahrsOptions:
         field_strength=settings.magnetic_field.strength,
         field_dip=math.radians(settings.magnetic_field.dip),
         publish_field=settings.publish.derived_magnetic_field,
-        appraisal=Appraisal(settings.integrity.risk_policy,
-                            settings.integrity.risk_inflation),
+        integrity_policy=IntegrityPolicy(settings.integrity.risk_policy,
+                                         settings.integrity.risk_inflation),
         orientation_fallback=settings.stddev.orientation_fallback,
         withhold_incomplete=settings.publish.incomplete == 'withhold')

@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 import math
 from typing import NamedTuple
 
+from bahrs_driver.convert import atmosphere
+from bahrs_driver.convert.utm import from_wgs84
 from bahrs_driver.emulator.ground_path import GeodeticPosition, GroundPath
 from bahrs_driver.emulator.measurement_errors import MeasurementErrors, Values
 from bahrs_driver.emulator.motion import Truth
@@ -19,20 +21,13 @@ from bahrs_driver.protocol.titan_m.messages import (
     State,
     TitanAnswer,
 )
-from pyproj import Proj
 
 ZONE_WIDTH = 6                      # degrees of longitude
 WEEK_MS = 604_800_000
-SEA_LEVEL_PRESSURE, SEA_LEVEL_TEMPERATURE = 101_325.0, 288.15        # Pa, K
-LAPSE, PRESSURE_POWER = 0.0065, 5.25588                              # K/m, of the standard
-GAS_CONSTANT = 287.053                                               # J/(kg K), of air
 INSIDE_C = 31.5                     # degree C
 NORTH_FIELD, DOWN_FIELD = 20e-6, 43e-6      # T
 LARGEST_COUNT = 32767
 HIGHEST_DIFFERENCE = 1073.0         # Pa; its field holds no more
-
-_PROJECTIONS: dict[tuple[int, bool], Proj] = {}
-
 
 class Measured(NamedTuple):
     """An answer, and the true values of its fields."""
@@ -81,7 +76,8 @@ class TitanMeasures:
             nothing = Gps(0.0, 0.0, 0.0, 0.0, (0.0,) * 3, 0.0, 0.0, 0.0, 0, True)
             return Measured(nothing, {})
         zone, northern = utm_zone(place.longitude), place.latitude >= 0
-        easting, northing = to_utm(place, zone, northern)
+        easting, northing = from_wgs84(
+            place.latitude, place.longitude, zone, northern)
         north, east, down = truth.velocity
         week_ms = (self._gps_start_ms + round(time * 1000)) % WEEK_MS
         course = math.degrees(math.atan2(east, north)) % 360.0
@@ -96,8 +92,8 @@ class TitanMeasures:
         truth, place, _ = self._path.at(time)
         force = _vector(self._errors.add('specific_force', truth.specific_force))
         rate = _vector(self._errors.add('angular_rate', truth.angular_rate))
-        pressure, magnetic = static_pressure(place.altitude), magnetic_field(truth)
-        dynamic = air_density(place.altitude) / 2 * math.hypot(*truth.velocity) ** 2
+        pressure, magnetic = atmosphere.pressure(place.altitude), magnetic_field(truth)
+        dynamic = atmosphere.density(place.altitude) / 2 * math.hypot(*truth.velocity) ** 2
         p, q, r = rate
         return Measured(Sensors(
             _within(force, ADC_FORCE),
@@ -112,27 +108,6 @@ class TitanMeasures:
 def utm_zone(longitude: float) -> int:
     """Return the UTM zone of a longitude in degrees, without the exceptions in the north."""
     return int((longitude + 180.0) // ZONE_WIDTH) % 60 + 1
-
-
-def to_utm(place: GeodeticPosition, zone: int, northern: bool) -> tuple[float, float]:
-    """Return easting and northing (m) of a position in a zone."""
-    projection = _PROJECTIONS.get((zone, northern))
-    if projection is None:
-        projection = Proj(proj='utm', zone=zone, ellps='WGS84', south=not northern)
-        _PROJECTIONS[zone, northern] = projection
-    easting, northing = projection(place.longitude, place.latitude)
-    return easting, northing
-
-
-def static_pressure(altitude: float) -> float:
-    """Return the pressure of the standard atmosphere (Pa) at a height (m) up to 11 km."""
-    return SEA_LEVEL_PRESSURE * math.pow(
-        1 - LAPSE * altitude / SEA_LEVEL_TEMPERATURE, PRESSURE_POWER)
-
-
-def air_density(altitude: float) -> float:
-    """Return the density of the standard atmosphere (kg/m^3) at a height (m) up to 11 km."""
-    return static_pressure(altitude) / GAS_CONSTANT / (SEA_LEVEL_TEMPERATURE - LAPSE * altitude)
 
 
 def magnetic_field(truth: Truth) -> Vector:

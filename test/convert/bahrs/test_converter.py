@@ -7,7 +7,7 @@ import math
 
 from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.bahrs.converter import BahrsConverter, TOPICS
-from bahrs_driver.convert.bahrs.integrity_policy import Appraisal
+from bahrs_driver.convert.bahrs.integrity_policy import IntegrityPolicy
 from bahrs_driver.protocol.bahrs.messages import InertialTime, SoftwareVersion, SyncPulseTime
 from bahrs_driver.protocol.integrity import Integrity
 import pytest
@@ -147,10 +147,10 @@ def test_imu_topics_go_on_when_nothing_is_available():
 @pytest.mark.parametrize('policy, factor', [('inflate', 100), ('pass', 1)])
 def test_integrity_risk_is_still_a_value(policy, factor):
     """With a larger variance, or as it is; other signals are as they were."""
-    appraisal = Appraisal(policy, 100.0)
+    integrity_policy = IntegrityPolicy(policy, 100.0)
     risky = with_health(NAVIGATION, velocity_down=RISK, roll=RISK, magnetic_heading=RISK)
     out = published(ACCURACY, with_health(INERTIAL, specific_force_y=RISK), risky,
-                    appraisal=appraisal)
+                    integrity_policy=integrity_policy)
     imu, base = out['imu/data'], published(ACCURACY, INERTIAL, NAVIGATION)
     assert imu.linear_acceleration_covariance[[0, 4, 8]] == pytest.approx(
         [0.01, 0.01 * factor, 0.01])
@@ -178,10 +178,10 @@ def test_what_is_derived_is_worth_no_more_than_what_it_is_derived_from(signal):
 
 def test_integrity_risk_may_be_withheld():
     """It is then treated as unavailable."""
-    appraisal = Appraisal('withhold', 100.0)
+    integrity_policy = IntegrityPolicy('withhold', 100.0)
     risky = with_health(NAVIGATION, velocity_down=RISK, roll=RISK, magnetic_heading=RISK)
     out = published(ACCURACY, with_health(INERTIAL, specific_force_y=RISK), risky,
-                    appraisal=appraisal)
+                    integrity_policy=integrity_policy)
     assert 'velocity' not in out and 'imu/mag' not in out
     assert out['imu/data'].orientation_covariance[0] == -1
     assert math.isnan(out['imu/data'].linear_acceleration.y)

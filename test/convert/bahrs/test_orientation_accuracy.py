@@ -17,7 +17,7 @@ SAMPLES = 200_000
 def accuracy(north=0.01, east=0.02, heading=0.03, convention=ENU, declination=0.0, fallback=0.0):
     """Return what has taken one accuracy message."""
     kept = OrientationAccuracy(convention, declination, fallback)
-    kept.take(Accuracy(0, north, east, heading, 0))
+    kept.update(Accuracy(0, north, east, heading, 0))
     return kept
 
 
@@ -57,7 +57,7 @@ def test_the_fallback_takes_the_place_of_what_is_not_said():
     assert square(kept.matrix(1.0, 1.0)) == pytest.approx(np.diag([0.01] * 3))
     assert square(kept.matrix(100.0, 1.0)) == pytest.approx(np.diag([1.0, 1.0, 0.01]))
     assert square(kept.matrix(1.0, None)) == pytest.approx(np.diag([0.01, 0.01, 1e6]))
-    kept.take(Accuracy(0, 0.01, 0.02, 0.03, 0))
+    kept.update(Accuracy(0, 0.01, 0.02, 0.03, 0))
     for _ in range(LIFETIME):
         kept.count_navigation()
     assert kept.matrix(1.0, 1.0)[8] == pytest.approx(9e-4)

