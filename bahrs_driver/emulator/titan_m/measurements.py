@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from bahrs_driver.convert import atmosphere
 from bahrs_driver.convert.utm import from_wgs84
-from bahrs_driver.emulator.ground_path import GeodeticPosition, GroundPath
+from bahrs_driver.emulator.ground_path import GroundPath
 from bahrs_driver.emulator.measurement_errors import MeasurementErrors, Values
 from bahrs_driver.emulator.motion import Truth
 from bahrs_driver.protocol.layout import Vector
@@ -28,6 +28,7 @@ INSIDE_C = 31.5                     # degree C
 NORTH_FIELD, DOWN_FIELD = 20e-6, 43e-6      # T
 LARGEST_COUNT = 32767
 HIGHEST_DIFFERENCE = 1073.0         # Pa; its field holds no more
+
 
 class Measured(NamedTuple):
     """An answer, and the true values of its fields."""
