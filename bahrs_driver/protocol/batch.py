@@ -1,15 +1,15 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-A whole recording at once, in numpy arrays.
+Decoding of a whole recording into numpy arrays.
 
-The rows of the codec's layouts do the work here, too, so that both always agree: where a field
-has 8 or 16 bits its row decodes each of the values that there are once, and the rest is looking
-up. Frames are collected by what their header says; a message then is a structured array with
+The rows of the codec's layouts convert the values here, too, so that both always agree. A field of
+8 or 16 bits is looked up in a table of all its decoded values. Frames are collected by their
+header. The messages of one kind are a structured array with
 
-    offset      of the frame's first byte in the stream
-    ...         the fields of the message, SI: vectors as (n, 3), health as (n, signals) of the
-                numbers of Integrity, what is None in a message as NaN, texts as objects
+    offset      offset of the frame's first byte in the stream
+    ...         the fields of the message, SI: vectors as (n, 3), health as (n, signals) with the
+                numbers of Integrity, None as NaN, texts as objects
 """
 
 from collections import defaultdict
@@ -25,14 +25,15 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 
-_PENDING = 65536        # frames kept as such, before they are packed
-_LOOKED_UP = 2          # bytes of a field up to which every value is decoded beforehand
+_PENDING = 65536        # frames collected before they are packed
+_LOOKED_UP = 2          # size in bytes up to which a field is decoded with a table
 
 
 class Batch:
-    """Collects frames, and decodes all of a kind at once."""
+    """Collects frames, and decodes all messages of a kind at once."""
 
     def __init__(self, layouts: Mapping[bytes, Layout[Any]]) -> None:
+        """Map headers, which must have the same size, to layouts."""
         self._layouts = layouts
         (self._header_size,) = {len(header) for header in layouts}
         self._pending: dict[bytes, list[Frame]] = defaultdict(list)
@@ -40,7 +41,7 @@ class Batch:
         self._count = 0
 
     def add(self, frames: Iterable[Frame]) -> None:
-        """Take the next frames of a stream."""
+        """Add the next frames of a stream."""
         for frame in frames:
             self._pending[frame.data[:self._header_size]].append(frame)
             self._count += 1
@@ -48,13 +49,13 @@ class Batch:
             self._pack()
 
     def counts(self) -> dict[bytes, int]:
-        """Return how many frames there are by header."""
+        """Count the frames by header."""
         self._pack()
         return {header: sum(len(offsets) for offsets, _ in parts)
                 for header, parts in self._packed.items()}
 
     def take(self, message: type) -> Array:
-        """Return all messages of a kind, whatever their version, in stream order; forget them."""
+        """Decode and remove all messages of a kind, of any version, in stream order."""
         self._pack()
         parts = [(header, *part) for header in list(self._packed)
                  if self._layouts[header].message is message
@@ -64,7 +65,7 @@ class Batch:
         kind = next(layout for layout in self._layouts.values() if layout.message is message)
         joined: Array = np.empty(size, table(kind, b'', np.empty(0, np.int64)).dtype)
         end = 0
-        while parts:                    # each is let go of when it is decoded
+        while parts:                    # the memory of each is freed when it is decoded
             header, offsets, payloads = parts.pop()
             begin, end = end, end + len(offsets)
             joined[begin:end] = table(self._layouts[header], payloads, offsets)
@@ -84,7 +85,7 @@ class Batch:
 
 
 def table(layout: Layout[Any], payloads: bytes, offsets: Array) -> Array:
-    """Return messages of one layout from their payloads, one after the other."""
+    """Decode the concatenated payloads of one layout into a structured array."""
     wire = _wire_type(layout)
     raw = np.frombuffer(payloads, wire, len(offsets)) if layout.size \
         else np.empty(len(offsets), wire)
@@ -98,21 +99,21 @@ def table(layout: Layout[Any], payloads: bytes, offsets: Array) -> Array:
 
 
 def _wire_type(layout: Layout[Any]) -> np.dtype[Any]:
-    """Return how a payload lies on the wire."""
+    """Return the type of a payload on the wire."""
     kinds: list[Any] = []
-    places, place = [], 0
+    offsets, offset = [], 0
     for _, row in layout.rows:
         kind = np.dtype(f'V{row.code[:-1]}' if row.code.endswith('s')
                         else layout.byte_order + row.code)
         kinds.append(kind if row.count == 1 else (kind, (row.count,)))
-        places.append(place)
-        place += kind.itemsize * row.count + row.reserved
+        offsets.append(offset)
+        offset += kind.itemsize * row.count + row.reserved
     return np.dtype({'names': [name for name, _ in layout.rows], 'formats': kinds,
-                     'offsets': places, 'itemsize': layout.size})
+                     'offsets': offsets, 'itemsize': layout.size})
 
 
 def _column(row: Row, raw: Array) -> Array:
-    """Return the values of a field."""
+    """Decode the values of a field."""
     if row.code.endswith('s'):
         values: Array = np.empty(len(raw), object)
         values[:] = [row.decode(bytes(item)) for item in raw]
@@ -122,20 +123,20 @@ def _column(row: Row, raw: Array) -> Array:
     if raw.dtype.itemsize <= _LOOKED_UP:
         found: Array = _every_value(row)[raw.astype(f'u{raw.dtype.itemsize}')]
         return found
-    different, places = np.unique(raw, return_inverse=True)
-    return np.asarray(_decoded(row, different)[places.reshape(raw.shape)])
+    different, inverse = np.unique(raw, return_inverse=True)
+    return np.asarray(_decoded(row, different)[inverse.reshape(raw.shape)])
 
 
 @lru_cache(maxsize=256)
 def _every_value(row: Row) -> Array:
-    """Return what each value of a small field stands for, by its bits as an unsigned number."""
+    """Decode all values of a small field, indexed by their bits as an unsigned number."""
     kind = np.dtype(row.code)
     bits = np.arange(256 ** kind.itemsize, dtype=f'u{kind.itemsize}')
     return _decoded(row, bits.view(kind))
 
 
 def _decoded(row: Row, values: Array) -> Array:
-    """Decode values one by one. A row that repeats treats all its components alike."""
+    """Decode values one by one. A repeated row decodes all its components alike."""
     items = values.tolist()
     if row.count > 1:
         return np.array([row.decode((item,) * row.count)[0] for item in items], float)

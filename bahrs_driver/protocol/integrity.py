@@ -1,21 +1,21 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The integrity of a signal, and how a health field packs several of them."""
+"""The integrity of signals, and its encoding in health fields."""
 
 from collections.abc import Callable
 from enum import IntEnum
 from functools import lru_cache
 
-# Decoded health words: a device in good order sends few, noise may be any of 65,536.
+# Cached health words: a working device sends few of them, noise any of 65,536.
 REMEMBERED = 256
 
 
 class Integrity(IntEnum):
     """
-    What the device says a signal is worth (BAHRS document, section 2.4).
+    Integrity of a signal as reported by the device (BAHRS document, section 2.4).
 
-    RESERVED is the bit pattern that the document leaves undefined. It is kept apart so that it
-    can be reported, and is never to be taken for an available signal.
+    RESERVED is the bit pattern that the document leaves undefined. It has a value of its own to be
+    reported, and never counts as an available signal.
     """
 
     UNAVAILABLE = 0
@@ -25,17 +25,17 @@ class Integrity(IntEnum):
 
     @property
     def available(self) -> bool:
-        """Whether the signal carries a value at all: safe, or at integrity risk."""
+        """Whether the signal has a value: safe, or at integrity risk."""
         return self in (Integrity.SAFE, Integrity.INTEGRITY_RISK)
 
     @property
     def label(self) -> str:
-        """Name as it appears in text output: ``safe``, ``integrity_risk``, ..."""
+        """Name in data: ``safe``, ``integrity_risk``, ..."""
         return self.name.lower()
 
     @property
     def words(self) -> str:
-        """Name as it appears in sentences: ``safe``, ``integrity risk``, ..."""
+        """Name in sentences: ``safe``, ``integrity risk``, ..."""
         return self.label.replace('_', ' ')
 
 
@@ -61,7 +61,7 @@ def valid_bits(count: int) -> tuple[Callable[[int], Health], Callable[[Health], 
     """
     Return the decoder and encoder of count valid bits, first signal lowest (versions 1 and 2).
 
-    One bit cannot tell of an integrity risk: only a safe signal is encoded as valid.
+    One bit cannot express an integrity risk: only a safe signal is encoded as valid.
     """
 
     @lru_cache(maxsize=REMEMBERED)

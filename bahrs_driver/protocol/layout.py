@@ -1,12 +1,12 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-How a message lies on the wire, one row for each field, read in both directions.
+The wire layout of messages: one row for each field, for decoding and encoding.
 
-A message is a frozen dataclass whose fields are declared with `wire(row)`. A row knows the
-struct code of its field and the two functions between the raw number and the SI value. A Layout
-compiles the rows of one message for one protocol version; decoding and encoding both come from
-it, so that they cannot disagree.
+A message is a frozen dataclass whose fields are declared with `wire(row)`. A row has the struct
+code of its field and the two functions between the raw number and the SI value. A Layout compiles
+the rows of one message for one protocol version. Decoding and encoding use the same rows, so that
+they cannot disagree.
 """
 
 from collections.abc import Callable, Mapping
@@ -24,9 +24,9 @@ Message = TypeVar('Message')
 @dataclass(frozen=True)
 class Row:
     """
-    One field on the wire: its struct code, how often it repeats, and both conversions.
+    One field on the wire: its struct code, its count of repetitions, and both conversions.
 
-    `reserved` bytes follow it that mean nothing; they are written as zeros.
+    `reserved` bytes follow it. They are ignored, and written as zeros.
     """
 
     code: str
@@ -47,7 +47,7 @@ def _same(value: Any) -> Any:
 
 
 def integer(code: str, unit: str = '') -> Row:
-    """Return the row of a whole number that stands for itself."""
+    """Return the row of an integer without a scale."""
     return Row(code, _same, index, unit=unit)
 
 
@@ -91,22 +91,22 @@ def vector(code: str, scale: float, unit: str) -> Row:
 
 
 def integers(code: str, count: int) -> Row:
-    """Return the row of several whole numbers."""
+    """Return the row of several integers without a scale."""
     return Row(code, tuple, tuple, count=count)
 
 
 def real(code: str, unit: str = '') -> Row:
-    """Return the row of a floating-point number that stands for itself."""
+    """Return the row of a floating-point number without a scale."""
     return Row(code, _same, float, unit=unit)
 
 
 def reals(code: str, count: int, unit: str = '') -> Row:
-    """Return the row of several floating-point numbers."""
+    """Return the row of several floating-point numbers without a scale."""
     return Row(code, tuple, tuple, count=count, unit=unit)
 
 
 def text(size: int) -> Row:
-    """Return the row of a Latin-1 string that zero bytes fill up to its size."""
+    """Return the row of a Latin-1 string, padded with zero bytes to its size."""
 
     def decode(raw: bytes) -> str:
         return raw.rstrip(b'\0').decode('latin-1')
@@ -121,7 +121,7 @@ def text(size: int) -> Row:
 
 
 def block(size: int) -> Row:
-    """Return the row of size bytes that stand for themselves."""
+    """Return the row of `size` unchanged bytes."""
 
     def encode(value: bytes) -> bytes:
         if len(value) != size:
@@ -137,26 +137,25 @@ def flag(raised: int) -> Row:
 
 
 def before_reserved(size: int, row: Row) -> Row:
-    """Return the same row with so many bytes behind it that mean nothing."""
+    """Return the row with `size` reserved bytes after it."""
     return Row(row.code, row.decode, row.encode, row.count, row.unit, size)
 
 
 def integrity_fields(code: str, count: int) -> Row:
-    """Return the row of a health word with two bits a signal."""
+    """Return the row of a health word with two bits per signal."""
     return Row(code, *two_bit_fields(count))
 
 
 def valid_flags(code: str, count: int) -> Row:
-    """Return the row of a health byte with one valid bit a signal."""
+    """Return the row of a health byte with one valid bit per signal."""
     return Row(code, *valid_bits(count))
 
 
 def wire(row: Row | Mapping[int, Row]) -> Any:
     """
-    Declare a dataclass field that stands on the wire as the row says.
+    Declare a dataclass field with its row.
 
-    Where the row differs between protocol versions, a mapping gives for each row the first
-    version that it holds for.
+    If the row differs between protocol versions, a mapping has the first version of each row.
     """
     return field(metadata={'rows': {1: row} if isinstance(row, Row) else dict(row)})
 
@@ -176,9 +175,9 @@ class Layout(Generic[Message]):
             code = row.code if row.count == 1 else f'{row.count}{row.code}'
             code += 'x' * row.reserved
             self._rows.append((item.name, row, struct.Struct(byte_order + code)))
-            place: int | slice = position if row.count == 1 else slice(
+            part: int | slice = position if row.count == 1 else slice(
                 position, position + row.count)
-            self._steps.append((row.decode, place))
+            self._steps.append((row.decode, part))
             codes += code
             position += row.count
         self._struct = struct.Struct(byte_order + codes)
@@ -190,17 +189,17 @@ class Layout(Generic[Message]):
         return [(name, row) for name, row, _ in self._rows]
 
     def raw(self, payload: bytes, start: int = 0) -> dict[str, Any]:
-        """Return the numbers as they stand on the wire, by field name."""
+        """Return the raw numbers on the wire by field name."""
         values = self._struct.unpack_from(payload, start)
-        return {name: values[place] for (name, _, _), (_, place) in zip(self._rows, self._steps)}
+        return {name: values[part] for (name, _, _), (_, part) in zip(self._rows, self._steps)}
 
     def decode(self, payload: bytes, start: int = 0) -> Message:
-        """Return the message whose payload begins at start. Any content decodes."""
+        """Decode the payload that begins at start. Any content is valid."""
         values = self._struct.unpack_from(payload, start)
-        return self.message(*[decode(values[place]) for decode, place in self._steps])
+        return self.message(*[decode(values[part]) for decode, part in self._steps])
 
     def encode(self, message: Message) -> bytes:
-        """Return the payload of a message; ValueError where a value does not fit its field."""
+        """Encode a message; raise ValueError if a value does not fit its field."""
         return b''.join(_pack(name, row, packer, getattr(message, name))
                         for name, row, packer in self._rows)
 

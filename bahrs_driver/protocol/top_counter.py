@@ -1,13 +1,13 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Count names that come from the wire, of which there may be millions, in bounded memory.
+Counting of names from the wire, of which there may be millions, in bounded memory.
 
-The 32 most frequent names are shown, and everything else is summed up as 'other'. More names than
-that are tracked, so that up to 1,024 of them are ranked exactly. When one more comes, the less
-frequent half is given up. A name that comes after that is ranked as if it had been as frequent as
-the most frequent one given up (Metwally's Space-Saving, 2005): a name that becomes frequent late
-gets its place, and the count shown with it is still one of frames that came.
+The 32 most frequent names are shown, and the sum of all others as 'other'. Up to 1,024 names are
+tracked, and ranked exactly. When another name arrives, the less frequent half is dropped. A name
+that arrives later is ranked as if it had been as frequent as the most frequent dropped one
+(Metwally's Space-Saving, 2005), so that a name that becomes frequent late rises to its rank. Its
+count includes only frames that arrived.
 """
 
 from collections.abc import ItemsView, Iterator, Mapping
@@ -27,15 +27,15 @@ class TopCounter(Mapping[str, int]):
 
     def __init__(self) -> None:
         self._counts: dict[str, int] = {}
-        self._head_start: dict[str, int] = {}       # rank less count
-        self._floor = 0                             # highest rank that was given up
+        self._head_start: dict[str, int] = {}       # rank minus count
+        self._floor = 0                             # highest rank that was dropped
         self._total = 0
 
     def add(self, name: str, count: int = 1) -> None:
         """Count a name."""
         if name not in self._counts:
             if len(self._counts) >= TRACKED:
-                self._give_up_half()
+                self._drop_half()
             self._head_start[name] = self._floor
         self._counts[name] = self._counts.get(name, 0) + count
         self._total += count
@@ -67,14 +67,14 @@ class TopCounter(Mapping[str, int]):
 
     def _most_frequent(self, count: int) -> list[tuple[str, int]]:
         head_start = self._head_start
-        # A copy, as the thread that counts does not wait.
+        # A copy, because the counting thread does not wait.
         return nlargest(count, list(self._counts.items()),
                         key=lambda item: item[1] + head_start.get(item[0], 0))
 
-    def _give_up_half(self) -> None:
+    def _drop_half(self) -> None:
         ranked = self._most_frequent(TRACKED)
-        kept, lost = ranked[:TRACKED // 2], ranked[TRACKED // 2:]
-        name, count = lost[0]
+        kept, dropped = ranked[:TRACKED // 2], ranked[TRACKED // 2:]
+        name, count = dropped[0]
         self._floor = count + self._head_start[name]
         self._head_start = {name: self._head_start[name] for name, _ in kept}
         self._counts = dict(kept)

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The three checksums that a BAHRS frame may carry.
+The three checksums of BAHRS frames.
 
 The device's CRC is CRC-32/MPEG-2 (BAHRS document, section 2.2). It is zlib's CRC-32 with the
-bits of every input byte, and of the result, in reverse order, so zlib does the work.
+bits of each input byte and of the result in reverse order, so zlib computes it.
 """
 
 from array import array
@@ -19,18 +19,18 @@ def crc32(data: bytes) -> bytes:
 
 
 def mpeg2(data: bytes) -> bytes:
-    """Return the CRC-32/MPEG-2 of data, taken byte by byte, as four little-endian bytes."""
+    """Return the CRC-32/MPEG-2 of data, byte by byte, as four little-endian bytes."""
     reflected = zlib.crc32(data.translate(_BITS_REVERSED)) ^ 0xFFFFFFFF
-    # Reversing the bits of the whole word is reversing its bytes and the bits of each.
+    # To reverse the bits of the word, reverse its bytes and the bits of each byte.
     return reflected.to_bytes(4, 'big').translate(_BITS_REVERSED)
 
 
 def mpeg2_words(data: bytes) -> bytes:
     """
-    Return the CRC-32/MPEG-2 of data taken as little-endian 32-bit words.
+    Return the CRC-32/MPEG-2 of data as little-endian 32-bit words.
 
-    This is what the CRC unit of the device's microcontroller computes when it is fed words. The
-    length of data must be a multiple of four (ValueError).
+    The CRC unit of the device's microcontroller computes it when it is fed words. Raise ValueError
+    if the length of data is not a multiple of four.
     """
     words = array('I')
     words.frombytes(data)

@@ -1,15 +1,15 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The frame of the BAHRS: marker, version, type, payload, padding, checksum.
+Frames of the BAHRS: marker, version, type, payload, padding, checksum.
 
     4E 45 | version u16 | type u8 | payload | padding | CRC u32          (little-endian)
 
-There is no length: version and type give it. Stream messages are padded to whole 32-bit words
-with one to four bytes, never none (section 2.2, and so does the device). Their CRC is
-CRC-32/MPEG-2, by the document taken over single bytes, by the device over 32-bit words. Service
-messages come unpadded or padded, with CRC-32/MPEG-2 as the document has it or the ordinary CRC-32
-of the device maker's own tool. Every variant is understood: the CRC of each frame tells which.
+There is no length field: version and type determine it. Stream messages are padded to whole 32-bit
+words with one to four bytes, never none (section 2.2, and observed). Their CRC is CRC-32/MPEG-2:
+in the document over single bytes, in the device over 32-bit words. Service messages are unpadded
+or padded, with the CRC-32/MPEG-2 of the document or the ordinary CRC-32 of the device maker's
+tool. All variants are accepted: the CRC of each frame shows which one it is.
 """
 
 from collections.abc import Collection
@@ -33,7 +33,7 @@ _CHECKSUMS = {'word': checksum.mpeg2_words, 'byte': checksum.mpeg2, 'crc32': che
 
 
 def padding(payload_size: int) -> int:
-    """Return how many padding bytes follow a payload of this size: 1 to 4."""
+    """Return the count of padding bytes after a payload, 1 to 4."""
     return 4 - (HEADER.size + payload_size) % 4
 
 
@@ -45,7 +45,7 @@ def frame_size(payload_size: int, padded: bool) -> int:
 
 def build_frame(version: int, message_type: int, payload: bytes, checksum: Checksum,
                 padded: bool = True) -> bytes:
-    """Return a whole frame around any payload. The word checksum needs a padded one."""
+    """Build a frame around any payload. The word checksum requires padding."""
     body = HEADER.pack(MARKER, version, message_type) + payload
     if padded:
         body += bytes(padding(len(payload)))
@@ -66,11 +66,10 @@ def frame_type(data: bytes) -> int:
 
 class BahrsFormat:
     """
-    What the framer must know of BAHRS frames.
+    Frame format of the BAHRS.
 
-    `order` forces the byte order of the stream's CRC. On 'auto' either is taken, and the one
-    that passed last is tried first; `order_seen` tells it. So a device that is exchanged for one
-    of the other kind costs nothing, and a forced order rejects what does not fit it.
+    `order` is the CRC order of the stream, and frames of the other order are rejected. With 'auto'
+    both are accepted, and the latest one, `order_seen`, is tried first.
     """
 
     marker = MARKER
@@ -94,7 +93,7 @@ class BahrsFormat:
 
     def passing_checksum(self, frame: bytes,
                          _expected: Collection[type] | None = None) -> str | None:
-        """Return 'word', 'byte' or 'crc32' where that checksum fits the frame."""
+        """Return the name of the checksum that passes: 'word', 'byte' or 'crc32'."""
         if frame[4] in self._services:
             return self._first_passing(frame, ['crc32', 'byte', 'word'])
         order = self._first_passing(frame, self._orders)
@@ -106,7 +105,7 @@ class BahrsFormat:
         return order
 
     def name_unknown(self, frame: bytes) -> str | None:
-        """Return version and type, as text, of an intact frame of a type that is not known."""
+        """Return type and version of an intact frame of an unknown type, as text."""
         if len(frame) < frame_size(0, padded=False):
             return None
         if not self._first_passing(frame, [*self._orders, 'crc32']):
@@ -130,6 +129,7 @@ class BahrsCodec(Decoder):
     """Decodes and encodes BAHRS frames."""
 
     def __init__(self, height_format: HeightFormat = 'uint16') -> None:
+        """Decode and encode the pressure height in a format."""
         self._layouts = layouts(height_format)
         self.layouts_by_header = {HEADER.pack(MARKER, *key): layout
                                   for key, layout in self._layouts.items()}
@@ -139,16 +139,16 @@ class BahrsCodec(Decoder):
         return self.layouts_by_header[frame.data[:HEADER.size]].decode(frame.data, HEADER.size)
 
     def raw(self, frame: Frame) -> dict[str, object]:
-        """Return the numbers of an intact frame as they stand on the wire, by field name."""
+        """Return the raw numbers of an intact frame by field name."""
         return self.layouts_by_header[frame.data[:HEADER.size]].raw(frame.data, HEADER.size)
 
     def encode(self, message: BahrsMessage, version: int, checksum: Checksum | None = None,
                padded: bool | None = None) -> bytes:
         """
-        Return the frame of a message.
+        Encode a message.
 
-        By default stream messages are padded with their CRC in word order, as the device sends
-        them, and service messages are unpadded with a CRC-32, as its maker's tool sends them.
+        By default stream messages are padded, with a CRC in word order, as the device sends them;
+        service messages are unpadded, with a CRC-32, as its maker's tool sends them. Raise
         ValueError if the version has no such message or a value does not fit its field.
         """
         layout = self._layouts.get((version, message.TYPE))

@@ -4,9 +4,9 @@
 The messages of the BAHRS, protocol versions 1 to 3, one row for each field.
 
 Values are SI: metres, seconds (device time in whole microseconds), radians, m/s, m/s^2. Vectors
-and attitude are those of the device: body axes forward, right, down; navigation axes north,
-east, down. A value stands in its field whether or not the signal is available; what it is worth
-is told by `health`. The section numbers are those of the BAHRS serial protocol document 2.0.
+and attitude are in the axes of the device: body axes forward, right, down; navigation axes north,
+east, down. A field has a value even if its signal is not available; `health` has the integrity.
+Section numbers refer to the BAHRS serial protocol document 2.0.
 """
 
 from dataclasses import dataclass
@@ -35,8 +35,8 @@ ANGLE = 9.587526e-5         # rad
 HEIGHT = 0.16784924         # m
 HEIGHT_OFFSET = -1000.0     # m
 VELOCITY = 9.155413e-3      # m/s
-FORCE, FORCE_2 = 1.4964e-3, 1.495384e-3         # m/s^2, from version 3 on and before
-RATE, RATE_2 = 1.5979452e-4, 1.597921e-4        # rad/s, from version 3 on and before
+FORCE, FORCE_2 = 1.4964e-3, 1.495384e-3         # m/s^2, from version 3 and before
+RATE, RATE_2 = 1.5979452e-4, 1.597921e-4        # rad/s, from version 3 and before
 
 HeightFormat = Literal['uint16', 'int16']
 _HEIGHT_ROWS = {
@@ -102,8 +102,8 @@ class Accuracy(BahrsMessage):
     """
     Standard deviations of the attitude, as rotations about north, east, down (0x03, section 3.3).
 
-    None is invalid. In version 1 the third is that of the attitude about the down axis rather
-    than that of the magnetic heading.
+    None is invalid. In version 1 the third value belongs to the attitude about the down axis
+    instead of the magnetic heading.
     """
 
     TYPE: ClassVar[int] = 0x03
@@ -118,7 +118,7 @@ class Accuracy(BahrsMessage):
 
 @dataclass(frozen=True, slots=True)
 class TimeMessage(BahrsMessage):
-    """Ties the sequence number of a data message to device time."""
+    """Relates the sequence number of a data message to device time."""
 
     PROPERTIES: ClassVar[tuple[str, ...]] = ('valid',)
 
@@ -128,7 +128,7 @@ class TimeMessage(BahrsMessage):
 
     @property
     def valid(self) -> bool:
-        """Whether the device has a time yet; both fields are zero if not."""
+        """Whether the device has a time; both fields are zero if not."""
         return bool(self.reference_sequence or self.device_time_us)
 
 
@@ -247,8 +247,8 @@ def layouts(height_format: HeightFormat = 'uint16') -> dict[tuple[int, int], Lay
     """
     Return the layout of every message by (version, type).
 
-    The document calls the pressure height int16, the device sends uint16: read as signed, all
-    above 4,500 m would come out 11,000 m too low. height_format chooses.
+    The document states int16 for the pressure height, but the device sends uint16: decoded as
+    signed, heights above 4,500 m are 11,000 m too low.
     """
     replace = {'pressure_height': _HEIGHT_ROWS[height_format]}
     return {(version, message.TYPE): Layout(message, version, replace=replace)

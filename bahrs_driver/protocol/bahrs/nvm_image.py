@@ -53,7 +53,7 @@ class Magnetometer(MemoryBlock):
 
 @dataclass(frozen=True, slots=True)
 class Assertions(MemoryBlock):
-    """Log of failed assertions of the firmware: where the next is written, and the text."""
+    """Log of failed assertions of the firmware: its text, and the position of the next entry."""
 
     NAME: ClassVar[str] = 'assertions'
     CHECKED: ClassVar[bool] = False
@@ -79,13 +79,14 @@ BLOCKS: tuple[type[MemoryBlock], ...] = (
 
 
 def parse(image: bytes) -> Iterator[FoundBlock]:
-    """Return the blocks of an image; ValueError if it is too short."""
+    """Parse the blocks of an image; raise ValueError if it is too short."""
     start = 0
     for kind in BLOCKS:
         layout = Layout(kind)
         end = start + layout.size
         if len(image) < end + CRC_SIZE * kind.CHECKED:
-            raise ValueError(f'{len(image)} bytes are too few: the block {kind.NAME} is not whole')
+            raise ValueError(f'{len(image)} bytes are too few: the block {kind.NAME} is '
+                             'incomplete')
         crc = image[end:end + CRC_SIZE]
         intact = checksum.crc32(image[start:end]) == crc if kind.CHECKED else None
         yield FoundBlock(layout.decode(image, start), intact)
@@ -93,7 +94,7 @@ def parse(image: bytes) -> Iterator[FoundBlock]:
 
 
 def complain(blocks: Sequence[FoundBlock]) -> str:
-    """Return a sentence about an image of another format; empty if the format is known."""
+    """Return a warning about an image of another format; empty if the format is known."""
     version = blocks[0].block
     if not blocks[0].intact or not isinstance(version, FormatVersion) \
             or (version.major, version.minor) == KNOWN_FORMAT:
@@ -106,7 +107,7 @@ MEMORY = MemoryFormat(PAGES, PAGE_SIZE, tuple(VARIANTS), parse, complain)
 
 
 def build(*blocks: MemoryBlock) -> bytes:
-    """Return the blocks as they stand in an image, with their CRCs."""
+    """Build the bytes of an image with these blocks and their CRCs."""
     return b''.join(_build(block) for block in blocks)
 
 

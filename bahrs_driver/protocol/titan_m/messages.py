@@ -3,9 +3,9 @@
 """
 The messages of the Titan-M, one row for each field: three requests and their answers.
 
-Vectors are those of the device: body axes forward, right, down; navigation axes north, east,
-down. Values are SI, and those that are not say so in their name. The document does not state
-the byte order of payloads, so each answer has a layout for either.
+Vectors are in the axes of the device: body axes forward, right, down; navigation axes north, east,
+down. Values are SI unless their name has another unit. The document does not state the byte order
+of payloads, so each answer has a layout for both.
 """
 
 from dataclasses import dataclass
@@ -46,7 +46,7 @@ class TitanMessage(Message):
 
 
 class TitanAnswer(TitanMessage):
-    """What all answers have: the values that LEN may have, payload and checksum together."""
+    """An answer, and its possible values of LEN, the size of payload and checksum."""
 
     __slots__ = ()
     LENGTHS: ClassVar[tuple[int, ...]]
@@ -55,7 +55,7 @@ class TitanAnswer(TitanMessage):
 @dataclass(frozen=True, slots=True)
 class State(TitanAnswer):
     """
-    What the navigation filter knows (state information, 48 bytes).
+    Solution of the navigation filter (state information, 48 bytes).
 
     Position (m) is relative to the first GPS fix, velocity is in m/s, both in navigation axes;
     attitude is roll, pitch, heading (rad); the rate is about the body axes (rad/s).
@@ -73,9 +73,10 @@ class State(TitanAnswer):
 @dataclass(frozen=True, slots=True)
 class Gps(TitanAnswer):
     """
-    What the GPS receiver knows (GPS position, 44 bytes).
+    Solution of the GPS receiver (GPS position, 44 bytes).
 
-    Time is GPS time of week; easting and northing are UTM. A zone outside 1 to 60 is no position.
+    Time is GPS time of week; easting and northing are UTM. A zone outside 1 to 60 means no
+    position.
     """
 
     NAME: ClassVar[str] = 'gps'
@@ -96,10 +97,10 @@ class Gps(TitanAnswer):
 @dataclass(frozen=True, slots=True)
 class Sensors(TitanAnswer):
     """
-    What the sensors measure (sensor data, 56 bytes), as ADC counts and calibrated.
+    Measurements of the sensors (sensor data, 56 bytes), as ADC counts and calibrated.
 
     Specific force (m/s^2), angular rate (rad/s) and magnetic field are in body axes. The document
-    gives LEN as 0x2E, which is that of the GPS answer; 56 bytes make 0x3A.
+    states LEN as 0x2E, that of the GPS answer, but 56 bytes require 0x3A.
     """
 
     NAME: ClassVar[str] = 'sensors'
@@ -117,7 +118,7 @@ class Sensors(TitanAnswer):
 
 
 class TitanRequest(TitanMessage):
-    """What all requests have: the command on the wire, and what answers it."""
+    """A request: its command on the wire, and the kind of its answer."""
 
     __slots__ = ()
     COMMAND: ClassVar[bytes]
@@ -126,7 +127,7 @@ class TitanRequest(TitanMessage):
 
 @dataclass(frozen=True, slots=True)
 class StateRequest(TitanRequest):
-    """Host to device: tell the state."""
+    """Host to device: send the state."""
 
     NAME: ClassVar[str] = 'state_request'
     COMMAND: ClassVar[bytes] = b'GST'
@@ -135,7 +136,7 @@ class StateRequest(TitanRequest):
 
 @dataclass(frozen=True, slots=True)
 class GpsRequest(TitanRequest):
-    """Host to device: tell the GPS position."""
+    """Host to device: send the GPS position."""
 
     NAME: ClassVar[str] = 'gps_request'
     COMMAND: ClassVar[bytes] = b'GGP'
@@ -144,7 +145,7 @@ class GpsRequest(TitanRequest):
 
 @dataclass(frozen=True, slots=True)
 class SensorsRequest(TitanRequest):
-    """Host to device: tell what the sensors measure."""
+    """Host to device: send the measurements of the sensors."""
 
     NAME: ClassVar[str] = 'sensors_request'
     COMMAND: ClassVar[bytes] = b'GSE'

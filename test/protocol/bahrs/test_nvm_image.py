@@ -49,8 +49,8 @@ def test_a_damaged_block_is_named(name):
 
 @pytest.mark.parametrize('size', [0, 11, 100, 659])
 def test_too_few_bytes(size):
-    """The block that is not whole is named."""
-    with pytest.raises(ValueError, match='bytes are too few: the block .* is not whole'):
+    """The error names the incomplete block."""
+    with pytest.raises(ValueError, match='bytes are too few: the block .* is incomplete'):
         list(parse(build(*BLOCKS)[:size]))
 
 
