@@ -1,11 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-ROS 2 driver for the BAHRS and Titan-M sensors of unmanned aircraft.
+ROS 2 driver for serial inertial sensors of unmanned aircraft.
 
 The names in `__all__` are the public interface for scripts. They need neither ROS nor numpy, and
 each is imported when it is first used. The messages of a device are dataclasses, in SI units, with
-a NAME: those of a BAHRS are in bahrs_driver.protocol.bahrs.messages.
+a NAME: those of a DEVICE are in bahrs_driver.protocol.DEVICE.messages.
 
 Decode a file of bytes, or any iterable of bytes. Each message comes with the frame that carried it
 and its device time in microseconds, None where that is not known:

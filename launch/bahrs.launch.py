@@ -6,7 +6,7 @@ Start the driver for a BAHRS.
     ros2 launch bahrs_driver bahrs.launch.py port:=/dev/ttyUSB0
     ros2 launch bahrs_driver bahrs.launch.py params_file:=my.yaml name:=front namespace:=left
 
-An argument beats the parameter file, which beats the defaults of the driver.
+An argument overrides the parameter file, which overrides the defaults of the driver.
 """
 
 from bahrs_driver.node.launching import describe_driver
@@ -14,5 +14,5 @@ from launch import LaunchDescription
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Return the driver node with the parameters of a BAHRS."""
-    return describe_driver('bahrs.yaml')
+    """Return the driver node with the parameters of the device."""
+    return describe_driver(__file__)

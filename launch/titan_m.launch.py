@@ -5,7 +5,8 @@ Start the driver for a Titan-M.
 
     ros2 launch bahrs_driver titan_m.launch.py port:=/dev/ttyUSB0
 
-Arguments are those of bahrs.launch.py. The sensor is a Titan-M whatever the parameter file says.
+Arguments are those of bahrs.launch.py. The sensor is a Titan-M even if the parameter file names
+another.
 """
 
 from bahrs_driver.node.launching import describe_driver
@@ -13,5 +14,5 @@ from launch import LaunchDescription
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Return the driver node with the parameters of a Titan-M."""
-    return describe_driver('titan_m.yaml', sensor='titan_m')
+    """Return the driver node with the parameters of the device."""
+    return describe_driver(__file__)

@@ -28,7 +28,7 @@ EXAMPLES: dict[str, object] = {
     'event': "the host's clock was set by +0.500000 s",
     'failures': 1,
     'fault': 'publishing inertial failed: OverflowError: too large',
-    'found': 'titan_m',
+    'found': [*DEVICES][-1],
     'gps': 'no fix',
     'hint': 'is the device powered, and is its line connected?',
     'holders': ' (minicom, process 4711)',

@@ -25,7 +25,6 @@ from bahrs_driver.reprocess.topic_writers import BagTopicWriter, CsvTopicWriter
 from bahrs_driver.units import NS_PER_S
 from rich.progress import TaskID
 
-
 _EXAMPLES = """examples:
   bahrs convert flight flight_topics              a bag that holds raw
   bahrs convert flight.bin flight_topics --start 2026-05-01T12:00:00Z
@@ -37,9 +36,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
         'Regenerate all topics of the driver from the bytes that the device sent. Stamps are\n'
-        'better than those of the flight, because later data improves them, too; those of a\n'
-        'Titan-M are arrival times, because requests are not recorded. Log times are the stamps,\n'
-        'without the steps of the host clock.')
+        'better than those of the flight, because later data improves them, too. Stamps of a\n'
+        'polled device are arrival times, because requests are not recorded. Log times are the\n'
+        'stamps without the steps of the host clock.')
     parser.epilog = _EXAMPLES
     parser.add_argument('input', metavar='IN',
                         help='bag that holds the topic raw, or file of bytes')

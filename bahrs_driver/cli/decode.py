@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 
 from bahrs_driver.bag.bag_kind import is_bag
 from bahrs_driver.cli.files import binary_input
-from bahrs_driver.devices.registry import DEFAULT, DEVICES
+from bahrs_driver.devices.registry import DEFAULT, DEVICES, examples
 from bahrs_driver.devices.stream_decoder import AnyDecoder
 from bahrs_driver.errors import CommandError
 from bahrs_driver.process.printable import printable
@@ -39,7 +39,6 @@ _EXAMPLES = """examples:
   bahrs decode --json flight.bin                the same for a script
   bahrs decode --format jsonl flight.bin        one JSON object a message, SI units
   stty -F /dev/ttyUSB0 115200 raw -echo && bahrs decode --format csv /dev/ttyUSB0 > flight.csv
-  bahrs decode --sensor titan_m answers.bin     what a Titan-M answered
 """
 
 
@@ -50,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'and SI units (rad, m, m/s, m/s^2, device time in us) unless a name says otherwise.\n'
         'csv has the device time of each message where it is known, and an empty cell for a\n'
         'value that is not available; jsonl has values as they were sent, beside their integrity.')
-    parser.epilog = _EXAMPLES
+    parser.epilog = _EXAMPLES + examples('decode')
     parser.add_argument('file', help='file of bytes as the device sent them, or a port that stty '
                                      'has set; - is standard input')
     parser.add_argument('--format', choices=('summary', 'jsonl', 'csv'), default='summary',

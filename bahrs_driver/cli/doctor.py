@@ -28,7 +28,7 @@ _STYLES = {Level.OK: 'green', Level.ADVICE: 'yellow', Level.PROBLEM: 'bold red'}
 _EXAMPLES = """examples:
   bahrs doctor                                  the only adapter that is plugged in
   bahrs doctor /dev/ttyUSB1 --json              for a script
-  bahrs doctor --ask                            for a Titan-M, which only answers
+  bahrs doctor --ask                            for a device that only answers
 
 exit status: 0 if there is no problem, 1 if there is one; advice is no problem
 """
@@ -52,8 +52,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--no-listen', action='store_true',
                         help='do not open the port')
     parser.add_argument('--ask', action='store_true',
-                        help='write requests to the port, for a device that only answers, such as '
-                             'a Titan-M; without this option nothing is written')
+                        help='write requests to the port, for a device that only answers; '
+                             'without this option nothing is written')
     parser.add_argument('--json', action='store_true',
                         help='print one JSON array of check, level, message and command')
     parser.add_argument('--root', type=Path, default=Path('/'), help=argparse.SUPPRESS)
@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> int:
     has_rclpy = _has_rclpy()
     options.port = _one_port(options)
     if 'rclpy' in sys.modules:
-        from bahrs_driver.cli.node_options import selected_namespace        # needs ROS
+        from bahrs_driver.cli.node_options import selected_namespace  # needs ROS
         options.namespace = selected_namespace(options)
     results = []
     console = Console(soft_wrap=True, highlight=False)
@@ -118,7 +118,7 @@ def _has_rclpy() -> bool:
 
 
 def _graph(options: argparse.Namespace, port: str, command: str) -> Iterator[CheckResult]:
-    from bahrs_driver.cli.ros import ros_session        # needs ROS, the doctor must run without
+    from bahrs_driver.cli.ros import ros_session  # needs ROS, the doctor must run without
     from bahrs_driver.doctor import graph
     from bahrs_driver.ros.start_errors import start_errors
     import rclpy

@@ -11,7 +11,7 @@ import sys
 from typing import Any
 
 from bahrs_driver.cli.outputs import add_force, live_output, output_file, same_output
-from bahrs_driver.devices.registry import DEFAULT, DEVICES
+from bahrs_driver.devices.registry import DEFAULT, DEVICES, examples
 from bahrs_driver.emulator.control import COMMANDS
 from bahrs_driver.emulator.emulation import Emulation
 from bahrs_driver.emulator.flights import MOTIONS
@@ -39,7 +39,6 @@ _EXAMPLES = """examples:
   ros2 run bahrs_driver driver_node --ros-args -p port:=/tmp/bahrs
   bahrs emulate --latency-timer 16 --fault bit_flip=0.0001 --truth truth.jsonl
   bahrs emulate --output flight.bin --duration 1300   as fast as it goes, into a file
-  bahrs emulate --sensor titan_m --start 0,6          answers requests, about the equator
 """
 
 
@@ -212,7 +211,8 @@ def _complain(sentence: str) -> None:
 
 
 def _epilog() -> str:
-    lines = [_EXAMPLES, 'faults, with a rate from 0 to 1 for each byte or frame:']
+    lines = [_EXAMPLES + examples('emulate'),
+             'faults, with a rate from 0 to 1 for each byte or frame:']
     lines += [f'  {name:<28}{text}' for name, text in FAULTS.items()]
     lines += ['', 'commands, a line each on standard input or in a scenario:']
     lines += [f'  {name + " " + command.arguments:<28}{command.summary}'

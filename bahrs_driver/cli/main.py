@@ -107,7 +107,7 @@ def _run(verb: str, words: list[str], for_ros: list[str]) -> int:
 
 def _parser(chosen: str) -> argparse.ArgumentParser:
     parser = _Parser(
-        prog='bahrs', description='Tools for the BAHRS and Titan-M sensors.', epilog=_EPILOG,
+        prog='bahrs', description='Tools for the sensors of bahrs_driver.', epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--version', action='version', version=f'bahrs {__version__}')
     subparsers = parser.add_subparsers(dest='verb', metavar='VERB', required=True)

@@ -17,6 +17,7 @@ from bahrs_driver.cli.files import binary_input
 from bahrs_driver.cli.outputs import add_force, is_standard_output, output_file
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.cli.signals import shutdown_on_signal
+from bahrs_driver.devices.nvm_reader import NvmReader, OnProgress, SessionOptions
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.devices.spec import AnyDevice
 from bahrs_driver.errors import CommandError, NvmError
@@ -26,7 +27,6 @@ from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.memory import FoundBlock, MemoryFormat
 from bahrs_driver.transport.link import Link
-from bahrs_driver.transport.nvm_reader import NvmReader, OnProgress, SessionOptions
 from bahrs_driver.transport.port_events import Decoded, PortEvent, PortOpened, PortUnavailable
 from bahrs_driver.transport.port_reader import PortReader
 

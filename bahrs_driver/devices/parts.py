@@ -12,12 +12,12 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
 
 from bahrs_driver.clock import Clock
+from bahrs_driver.devices.nvm_reader import NvmReader
 from bahrs_driver.diagnostics.stream_health import StreamHealth
 from bahrs_driver.diagnostics.task import DiagnosticTask
 from bahrs_driver.protocol.decoder import Decoder
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.transport.link import Link
-from bahrs_driver.transport.nvm_reader import NvmReader
 from bahrs_driver.transport.request_loop import RequestLoop
 
 

@@ -21,6 +21,11 @@ def parameter_table() -> ParameterTable[CommonSettings]:
     return ParameterTable({name: spec.settings for name, spec in DEVICES.items()})
 
 
+def examples(verb: str) -> str:
+    """Return the lines that devices add to the examples in the help of a verb."""
+    return ''.join(spec.examples.get(verb, '') for spec in DEVICES.values())
+
+
 def all_topics() -> dict[str, type]:
     """Return the message type of each topic of any device."""
     return {topic: kind for spec in DEVICES.values() for topic, kind in spec.topics().items()}

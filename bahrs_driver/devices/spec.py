@@ -19,11 +19,11 @@ from bahrs_driver.protocol.memory import MemoryFormat
 from bahrs_driver.protocol.message_roles import MessageRoles
 
 if TYPE_CHECKING:
+    from bahrs_driver.devices.nvm_reader import NvmReader
     from bahrs_driver.devices.parts import Parts
     from bahrs_driver.emulator.device import DeviceEmulation
     from bahrs_driver.pipeline import Pipeline
     from bahrs_driver.transport.link import Link
-    from bahrs_driver.transport.nvm_reader import NvmReader
 
 Settings = TypeVar('Settings', bound=CommonSettings)
 
@@ -34,6 +34,7 @@ class DeviceSpec(ABC, Generic[Settings]):
     name: ClassVar[str]                     # value of the parameter `sensor`
     label: ClassVar[str]                    # name in sentences
     settings: type[Settings]
+    examples: ClassVar[Mapping[str, str]] = {}      # lines for the help, by verb
     # Requests to write, one after another, to find a device that answers only.
     probe_requests: ClassVar[Sequence[bytes]] = ()
     # Message types for the clock; None if messages hold no device time of samples.

@@ -15,6 +15,7 @@ several drivers is given to each include.
 from collections.abc import Iterator
 from pathlib import Path
 
+from bahrs_driver.devices.registry import DEFAULT, DEVICES
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 from launch.actions import DeclareLaunchArgument, GroupAction, LogInfo, OpaqueFunction
 from launch.substitutions import PathJoinSubstitution
@@ -30,8 +31,10 @@ class UsedValue(str):
     """The value of an argument that was given to an earlier include of this package."""
 
 
-def describe_driver(config: str, sensor: str = '') -> LaunchDescription:
-    """Describe a driver with a parameter file of this package and, if given, its sensor."""
+def describe_driver(launch_file: str) -> LaunchDescription:
+    """Describe a driver for the device that the launch file DEVICE.launch.py is named after."""
+    device = DEVICES[Path(launch_file).name.partition('.')[0]].name
+    config = f'{device}.yaml'
     share = FindPackageShare(PACKAGE)
     return LaunchDescription([
         GroupAction([
@@ -46,7 +49,7 @@ def describe_driver(config: str, sensor: str = '') -> LaunchDescription:
             DeclareLaunchArgument(
                 'params_file', default_value=PathJoinSubstitution([share, 'config', config]),
                 description='parameter file, with a key for the node, such as /**'),
-            OpaqueFunction(function=_start_node, args=[sensor]),
+            OpaqueFunction(function=_start_node, args=['' if device == DEFAULT else device]),
         ], scoped=True),
         OpaqueFunction(function=_mark_used_values),
     ])

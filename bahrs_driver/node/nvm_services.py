@@ -14,12 +14,12 @@ import hashlib
 import json
 
 from bahrs_driver.convert import nvm_page
+from bahrs_driver.devices.nvm_reader import NvmReader, SessionOptions
 from bahrs_driver.errors import NvmError, WriteError
 from bahrs_driver.node.nvm_dump import dump_file
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.settings.node_settings import read_group
 from bahrs_driver.settings.nvm import Nvm
-from bahrs_driver.transport.nvm_reader import NvmReader, SessionOptions
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions

@@ -12,7 +12,7 @@ REMEMBERED = 256
 
 class Integrity(IntEnum):
     """
-    Integrity of a signal as reported by the device (BAHRS document, section 2.4).
+    Integrity of a signal as reported by the device (section 2.4 of its document).
 
     RESERVED is the bit pattern that the document leaves undefined. It has a value of its own to be
     reported, and never counts as an available signal.

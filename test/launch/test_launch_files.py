@@ -6,6 +6,7 @@ import importlib.util
 from pathlib import Path
 import runpy
 
+from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.settings.command_line import RosArguments
 from hypothesis import given, strategies as st
 import pytest
@@ -13,7 +14,7 @@ from support import launch_stand_in
 from support.node_settings import node_settings
 
 ROOT = Path(__file__).resolve().parents[2]
-FILES = ('bahrs', 'titan_m')
+FILES = tuple(DEVICES)
 
 
 class StandIn:

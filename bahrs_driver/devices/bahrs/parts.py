@@ -13,13 +13,13 @@ from bahrs_driver.convert.bahrs.converter import BahrsConverter, BahrsOptions
 from bahrs_driver.convert.bahrs.integrity_policy import IntegrityPolicy
 from bahrs_driver.devices.bahrs.health import BahrsHealth
 from bahrs_driver.devices.bahrs.settings import BahrsSettings, ROS_CLOCK
+from bahrs_driver.devices.nvm_reader import NvmReader
 from bahrs_driver.devices.parts import LivePart, Parts
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import NvmPage
 from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.transport.link import Link
-from bahrs_driver.transport.nvm_reader import NvmReader
 from bahrs_driver.transport.request_loop import RequestLoop
 from bahrs_driver.units import NS_PER_S
 from std_msgs.msg import UInt8MultiArray

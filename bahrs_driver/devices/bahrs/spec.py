@@ -17,11 +17,11 @@ from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Frame, FrameFormat, Framer
 
 if TYPE_CHECKING:
+    from bahrs_driver.devices.nvm_reader import NvmReader
     from bahrs_driver.devices.parts import Parts
     from bahrs_driver.emulator.device import DeviceEmulation
     from bahrs_driver.pipeline import Pipeline
     from bahrs_driver.transport.link import Link
-    from bahrs_driver.transport.nvm_reader import NvmReader
 
 PERIODS = {Inertial.TYPE: 0.005, Navigation.TYPE: 0.01}     # s
 
@@ -55,8 +55,8 @@ class BahrsSpec(DeviceSpec[BahrsSettings]):
 
     def memory_access(self, link: 'Link') -> 'tuple[Pipeline, NvmReader]':
         """Return what decodes a link and reads the memory through it, for `bahrs nvm`."""
+        from bahrs_driver.devices.nvm_reader import NvmReader
         from bahrs_driver.pipeline import Pipeline
-        from bahrs_driver.transport.nvm_reader import NvmReader
         from bahrs_driver.transport.request_loop import RequestLoop
         frame_format = BahrsFormat()
         return (Pipeline(Framer(frame_format), BahrsCodec()),

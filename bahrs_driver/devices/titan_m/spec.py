@@ -23,6 +23,10 @@ class TitanSpec(DeviceSpec[TitanMSettings]):
     name = 'titan_m'
     label = 'Titan-M'
     settings = TitanMSettings
+    examples = {
+        'decode': '  bahrs decode --sensor titan_m answers.bin     what a Titan-M answered\n',
+        'emulate': '  bahrs emulate --sensor titan_m --start 0,6          answers requests, '
+                   'about the equator\n'}
     # The byte order of checksums that the device accepts is not known.
     probe_requests = tuple(build_request(StateRequest, checksum_order=order)
                            for order in CHECKSUM_ORDERS)

@@ -9,13 +9,13 @@ import threading
 import time
 import tracemalloc
 
+from bahrs_driver.devices.nvm_reader import NvmReader, SessionOptions
 from bahrs_driver.emulator.bahrs.diagnostics_mode import DiagnosticsMode, ServiceBehavior
 from bahrs_driver.errors import LinkError, NvmError
 from bahrs_driver.protocol.bahrs import nvm_session
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec
 from bahrs_driver.protocol.bahrs.messages import NvmPage
 from bahrs_driver.protocol.framing import Frame
-from bahrs_driver.transport.nvm_reader import NvmReader, SessionOptions
 from bahrs_driver.transport.request_loop import RequestLoop
 import pytest
 from support.waiting import wait_for

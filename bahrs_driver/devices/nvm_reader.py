@@ -12,9 +12,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from bahrs_driver.errors import NvmError
-from bahrs_driver.protocol.bahrs.nvm_session import (
-    NvmSession, PAGES, ServiceFrames, SessionState,
-)
+from bahrs_driver.protocol.bahrs.nvm_session import NvmSession, PAGES, ServiceFrames, SessionState
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.transport.request_loop import now_ns, RequestLoop
 from bahrs_driver.units import NS_PER_S
