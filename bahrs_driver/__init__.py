@@ -33,7 +33,14 @@ Instant is the host's time at the end of a read:
 >>> round((stamps[-1] - stamps[0]) / (len(stamps) - 1), -3)     # ns from sample to sample
 5000000.0
 
-A Framer alone finds frames in bytes, for devices that the driver does not know.
+Parse an image of the non-volatile memory of a device, as `bahrs nvm dump` writes it:
+
+>>> with open('device.bin', 'rb') as file:
+...     blocks = list(device.memory.parse(file.read()))
+>>> [(found.block.NAME, found.intact) for found in blocks][:2]
+[('format version', True), ('installation angles', True)]
+
+A Framer alone finds frames in bytes.
 """
 
 from importlib import import_module

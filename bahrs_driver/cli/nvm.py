@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""`bahrs nvm`: read the device's non-volatile memory, and show what is in it."""
+"""`bahrs nvm`: read the non-volatile memory of a device, and show its content."""
 
 import argparse
 from collections.abc import Iterator, Sequence
@@ -31,8 +31,8 @@ from bahrs_driver.transport.port_events import Decoded, PortEvent, PortOpened, P
 from bahrs_driver.transport.port_reader import PortReader
 
 LONGEST_ENTER = 600     # s
-OPEN_TIME = 30.0        # s until the port is open, or the reason is known why it is not
-LISTEN_TIME = 3.0       # s in which a device that streams, or just starts, is heard
+OPEN_TIME = 30.0        # s until the port is open or has failed
+LISTEN_TIME = 3.0       # s until a device that streams has sent a sample, even if it just starts
 ERASED = '\xff'         # byte of erased memory
 _MEMORIES: dict[str, MemoryFormat] = {
     name: spec.memory for name, spec in DEVICES.items() if spec.memory}
@@ -70,11 +70,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                             help='checksum and padding of requests (default: %(default)s)')
         action.add_argument('--yes', action='store_true',
                             help='do not ask before a stream is stopped')
-    show = actions.add_parser('show', help='say what is in an image')
+    show = actions.add_parser('show', help='show the content of an image')
     show.add_argument('file', help='image of the memory; - is standard input')
     for action in (read, dump, show):
         action.add_argument('--sensor', choices=tuple(_MEMORIES), default=next(iter(_MEMORIES)),
-                            help='which device has the memory (default: %(default)s)')
+                            help='device of the memory (default: %(default)s)')
     for action in (dump, show):
         action.add_argument('--json', action='store_true',
                             help='print one JSON object, for a script')
@@ -83,7 +83,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Do what was asked for; 1 if it cannot be done or an image is damaged."""
+    """Run the action; return 1 if an image is damaged."""
     return {'read': _read, 'dump': _dump, 'show': _show}[options.action](options)
 
 
@@ -91,14 +91,14 @@ def _read(options: argparse.Namespace) -> int:
     count = _MEMORIES[options.sensor].page_count
     if not 0 <= options.page < count:
         raise CommandError(f'page {options.page} does not exist: pages are 0 to {count - 1}')
-    print(_pages(options, [options.page]).hex())
+    print(_read_pages(options, [options.page]).hex())
     return 0
 
 
 def _dump(options: argparse.Namespace) -> int:
-    # The file first: what is wrong with it is found out before the stream is stopped.
+    # The file first: if it cannot be written, the stream is not stopped.
     with output_file(options.file, options.force) as file:
-        image = _pages(options, range(_MEMORIES[options.sensor].page_count))
+        image = _read_pages(options, range(_MEMORIES[options.sensor].page_count))
         file.write(image)
     digest = hashlib.sha256(image).hexdigest()
     out = sys.stderr if is_standard_output(options.file) else sys.stdout
@@ -109,10 +109,10 @@ def _dump(options: argparse.Namespace) -> int:
     return 0
 
 
-def _pages(options: argparse.Namespace, wanted: Sequence[int]) -> bytes:
+def _read_pages(options: argparse.Namespace, wanted: Sequence[int]) -> bytes:
     with _device(options) as device:
         if device.streams(LISTEN_TIME) and not options.yes:
-            _ask()
+            _confirm()
         with progress_bar() as progress:
             task = progress.add_task('', total=1.0)
             pages = _read_until_signal(
@@ -125,7 +125,7 @@ def _pages(options: argparse.Namespace, wanted: Sequence[int]) -> bytes:
 
 def _read_until_signal(reader: NvmReader, wanted: Sequence[int], options: SessionOptions,
                        on_progress: OnProgress) -> dict[int, bytes]:
-    """Return pages; at a signal leave the device's diagnostics mode, then KeyboardInterrupt."""
+    """Return pages; at a signal leave diagnostics mode and raise KeyboardInterrupt."""
     with shutdown_on_signal() as ended, ThreadPoolExecutor(1) as pool:
         pages = pool.submit(reader.read, wanted, options, on_progress=on_progress)
         pages.add_done_callback(lambda _: ended.set())
@@ -139,23 +139,23 @@ def _read_until_signal(reader: NvmReader, wanted: Sequence[int], options: Sessio
             raise CommandError(str(error)) from error
 
 
-def _ask() -> None:
+def _confirm() -> None:
     if not sys.stdin.isatty():
-        raise CommandError('the device streams, and reading its memory stops that: say --yes')
-    print('The device streams. Reading its memory stops that for some seconds. Go on? [y/N] ',
+        raise CommandError('reading the memory stops the stream of the device: add --yes')
+    print('The device streams. Reading its memory stops that for some seconds. Continue? [y/N] ',
           end='', file=sys.stderr, flush=True)
     if sys.stdin.readline().strip().lower() not in ('y', 'yes'):
         raise CommandError('cancelled: the memory was not read')
 
 
 class Device:
-    """A device whose stream is read in a thread, and whose memory can be read."""
+    """A device on a port, whose stream a thread reads while another one reads its memory."""
 
     def __init__(self, spec: AnyDevice, link: Link, port: str) -> None:
         pipeline, self.nvm = spec.memory_access(link)
         self.failure = ''
         self._port = port
-        self._faults = FaultLog(_complain, str)
+        self._faults = FaultLog(_print_error, str)
         self._reader = PortReader(link, pipeline, self._faults)
         self._sample = spec.roles.sample if spec.roles else ()
         self._opened = threading.Event()
@@ -172,7 +172,7 @@ class Device:
         """Wait for the port (CommandError if it fails); return whether data arrives in time."""
         if not self._opened.wait(OPEN_TIME):
             raise CommandError(f'{printable(self._port)} could not be opened within '
-                               f'{OPEN_TIME:g} s: is another program or the network at fault?')
+                               f'{OPEN_TIME:g} s: check other programs and the network')
         if self.failure:
             raise CommandError(self.failure)
         return self._streams.wait(timeout)
@@ -201,7 +201,7 @@ class Device:
             self.nvm.receive(item.message, item.frame)
 
 
-def _complain(sentence: str) -> None:
+def _print_error(sentence: str) -> None:
     print(f'bahrs nvm: {sentence}', file=sys.stderr)
 
 
@@ -227,15 +227,15 @@ def _show(options: argparse.Namespace) -> int:
     with binary_input(options.file) as file:
         image = file.read(memory.size + 1)
     if len(image) > memory.size:
-        raise CommandError(f'{options.file} is no image: an image has {memory.size:,} bytes')
+        raise CommandError(f'{options.file} is not an image: an image has {memory.size:,} bytes')
     try:
         blocks = list(memory.parse(image))
     except ValueError as error:
-        raise CommandError(f'{options.file} is no image: {error}') from error
+        raise CommandError(f'{options.file} is not an image: {error}') from error
     if options.json:
         print(json.dumps({found.block.NAME: {
             'intact': found.intact,
-            **{name: _finite(value) for name, value in asdict(found.block).items()}}
+            **{name: _json_value(value) for name, value in asdict(found.block).items()}}
             for found in blocks}))
     else:
         for found in blocks:
@@ -258,7 +258,7 @@ def _print_block(found: FoundBlock) -> None:
         if isinstance(value, str):
             _print_text(value)
         else:
-            print(f'  {item.name:<20}{_plain(value)} {unit}'.rstrip())
+            print(f'  {item.name:<20}{_text(value)} {unit}'.rstrip())
 
 
 def _print_text(value: str) -> None:
@@ -267,14 +267,14 @@ def _print_text(value: str) -> None:
         print(f'  {printable(line, len(value) * 4 + 1)}')
 
 
-def _finite(value: object) -> object:
-    """Return what JSON can have; it knows no NaN."""
+def _json_value(value: object) -> object:
+    """Return a value that JSON has: null in place of NaN."""
     if isinstance(value, tuple):
-        return [_finite(item) for item in value]
+        return [_json_value(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _plain(value: object) -> str:
+def _text(value: object) -> str:
     if isinstance(value, tuple):
-        return ' '.join(_plain(item) for item in value)
+        return ' '.join(_text(item) for item in value)
     return f'{value:.6g}' if isinstance(value, float) else str(value)

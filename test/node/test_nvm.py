@@ -310,7 +310,7 @@ def test_command_line(emulator, tmp_path):
     emulator()
     port, file = ('--port', str(tmp_path / 'port')), tmp_path / 'dump.bin'
     with running('bahrs', 'nvm', 'read', '2', *port) as asked:
-        assert asked.wait() == 1 and 'say --yes' in asked.text
+        assert asked.wait() == 1 and 'add --yes' in asked.text
     with running('bahrs', 'nvm', 'read', '2', '--yes', *port) as read:
         assert read.wait() == 0 and read.lines[-1].strip() == IMAGE[64:96].hex()
     with running('bahrs', 'nvm', 'dump', str(file), '--yes', *port) as dump:
@@ -389,7 +389,7 @@ def test_a_terminal_that_is_closed_makes_the_device_leave(cable, tmp_path):
     (['read', '0', '--port', '/dev/nowhere'], '/dev/nowhere does not exist'),
     (['dump', '/nowhere/x'], 'cannot write /nowhere/x: No such file or directory: create'),
     (['dump', '.'], 'cannot write .: it is a directory'),
-    (['show', '/dev/null'], '/dev/null is no image: 0 bytes are too few'),
+    (['show', '/dev/null'], '/dev/null is not an image: 0 bytes are too few'),
     (['show', 'nowhere.bin'], 'cannot read nowhere.bin'),
 ])
 def test_what_the_command_line_refuses(words, sentence):
