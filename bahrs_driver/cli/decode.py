@@ -12,7 +12,7 @@ import json
 import math
 from pathlib import Path
 import sys
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 from bahrs_driver.bag.bag_kind import is_bag
 from bahrs_driver.cli.files import binary_input
@@ -22,6 +22,7 @@ from bahrs_driver.errors import CommandError
 from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.protocol.message import Message
 from bahrs_driver.reprocess.decode import decode_stream, with_device_time
 from bahrs_driver.reprocess.decoding_faults import DecodingFaults
 from bahrs_driver.reprocess.message_times import TimedMessage
@@ -102,7 +103,7 @@ def _refuse_bag(path: Path) -> None:
                            'files of it, or bahrs report to make a page')
 
 
-def record(decoder: AnyDecoder, frame: Frame, message: Any) -> dict[str, Any]:
+def record(decoder: AnyDecoder, frame: Frame, message: Message) -> dict[str, object]:
     """Return name, offset and fields of a message as JSON values."""
     fields = {item.name: _plain(getattr(message, item.name))
               for item in dataclasses.fields(message)}
@@ -121,7 +122,7 @@ def _chunks(file: BinaryIO) -> Iterator[bytes]:
             raise
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     if isinstance(value, Integrity):
         return value.label
     if isinstance(value, tuple):
@@ -155,7 +156,7 @@ def _print_csv(decoder: AnyDecoder, messages: Iterable[TimedMessage]) -> None:
         writer.writerow({**row, TIME: time_us} if TIME in columns else row)
 
 
-def _columns(kind: type[Any]) -> list[str]:
+def _columns(kind: type[Message]) -> list[str]:
     names = []
     for item in dataclasses.fields(kind):
         if item.name == 'health':
@@ -167,7 +168,7 @@ def _columns(kind: type[Any]) -> list[str]:
     return [*names, *kind.PROPERTIES]
 
 
-def _flat(values: Iterable[Any]) -> Iterator[Any]:
+def _flat(values: Iterable[object]) -> Iterator[object]:
     for value in values:
         if isinstance(value, list):
             yield from value

@@ -7,12 +7,12 @@ They contain all delays of the adapter and the host.
 """
 
 from collections.abc import Iterable
-from typing import Any
 
 from bahrs_driver.clock.interface import Clock, Instant, Stamped, TimeState
 from bahrs_driver.clock.notices import Notices
 from bahrs_driver.clock.read_observer import ReadObserver
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.protocol.message import Message
 from bahrs_driver.units import NS_PER_S
 
 SET_BACK = NS_PER_S
@@ -45,7 +45,7 @@ class ArrivalClock(Clock):
         if self._reads.observe(now, received):
             self._last = 0
 
-    def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
+    def stamp(self, messages: Iterable[tuple[Message, Frame]]) -> list[Stamped]:
         """Stamp all messages with their arrival."""
         return [Stamped(message, frame, self._stamp_of(frame)) for message, frame in messages]
 

@@ -17,6 +17,7 @@ from bahrs_driver.clock.notices import Notices
 from bahrs_driver.clock.read_observer import ReadObserver
 from bahrs_driver.clock.slewer import StampSlewer
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.protocol.message import Message
 from bahrs_driver.units import NS_PER_S, NS_PER_US
 
 ANSWERS = 99            # in the median of their uncertainty
@@ -51,7 +52,7 @@ class ExchangeClock(Clock):
         if self._reads.observe(now, received):
             self._slewer.allow_backward()
 
-    def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
+    def stamp(self, messages: Iterable[tuple[Message, Frame]]) -> list[Stamped]:
         """Stamp all messages."""
         return [Stamped(message, frame, self._stamp_of(message, frame))
                 for message, frame in messages]

@@ -5,9 +5,10 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.protocol.message import Message
 
 
 class Instant(NamedTuple):
@@ -20,7 +21,7 @@ class Instant(NamedTuple):
 class Stamped(NamedTuple):
     """A message, its frame, and its time in ns since the epoch."""
 
-    message: Any
+    message: Message
     frame: Frame
     stamp_ns: int
 
@@ -67,7 +68,7 @@ class Clock(ABC):
         """Record the instant of a read, and the bytes of the stream received by then."""
 
     @abstractmethod
-    def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
+    def stamp(self, messages: Iterable[tuple[Message, Frame]]) -> list[Stamped]:
         """Add the messages that the read completed; return all whose time is known."""
 
     def end(self) -> list[Stamped]:

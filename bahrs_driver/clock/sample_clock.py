@@ -21,7 +21,6 @@ one was sent, but not received.
 
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Any
 
 from bahrs_driver.clock.counter import SLACK
 from bahrs_driver.clock.device_time import DeviceTime, Verdict
@@ -37,6 +36,7 @@ from bahrs_driver.clock.slewer import StampSlewer
 from bahrs_driver.clock.stamper import Stamper
 from bahrs_driver.clock.sync_pulses import SyncPulses
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.protocol.message import Message
 from bahrs_driver.protocol.message_roles import MessageRoles
 from bahrs_driver.units import NS_PER_S, NS_PER_US
 
@@ -80,7 +80,7 @@ class SampleClock(Clock):
         if self._reads.observe(now, received):
             self._stamper.allow_backward()
 
-    def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
+    def stamp(self, messages: Iterable[tuple[Message, Frame]]) -> list[Stamped]:
         """Add the messages that the read completed; return all whose time is known."""
         bound = self._reads.bounds.bound
         for message, frame in messages:

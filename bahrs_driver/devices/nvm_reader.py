@@ -9,11 +9,12 @@ session ends, because it has time limits of its own and end() has one.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from bahrs_driver.errors import NvmError
 from bahrs_driver.protocol.bahrs.nvm_session import NvmSession, PAGES, ServiceFrames, SessionState
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.protocol.message import Message
 from bahrs_driver.transport.request_loop import now_ns, RequestLoop
 from bahrs_driver.units import NS_PER_S
 
@@ -81,7 +82,7 @@ class NvmReader:
             raise NvmError(session.error)
         return session.pages
 
-    def receive(self, message: Any, frame: Frame) -> None:
+    def receive(self, message: Message, frame: Frame) -> None:
         """Hand in a message of the device."""
         if self._session is None:
             return

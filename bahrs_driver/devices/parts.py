@@ -9,7 +9,7 @@ port of a live stream beyond reading it.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol
+from typing import Literal, Protocol
 
 from bahrs_driver.clock import Clock
 from bahrs_driver.devices.nvm_reader import NvmReader
@@ -17,6 +17,7 @@ from bahrs_driver.diagnostics.stream_health import StreamHealth
 from bahrs_driver.diagnostics.task import DiagnosticTask
 from bahrs_driver.protocol.decoder import Decoder
 from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.protocol.message import Message
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.request_loop import RequestLoop
 
@@ -24,14 +25,14 @@ from bahrs_driver.transport.request_loop import RequestLoop
 class Converter(Protocol):
     """Converts device messages to ROS messages."""
 
-    def convert(self, message: Any, stamp_ns: int) -> Iterator[tuple[str, Any]]:
+    def convert(self, message: Message, stamp_ns: int) -> Iterator[tuple[str, object]]:
         """Convert a device message to ROS messages, each with its topic."""
 
-    def lost(self, stamp_ns: int) -> Iterator[tuple[str, Any]]:
+    def lost(self, stamp_ns: int) -> Iterator[tuple[str, object]]:
         """Forget the stream, and return messages that report its end."""
         return iter(())
 
-    def silent(self, stamp_ns: int) -> Iterator[tuple[str, Any]]:
+    def silent(self, stamp_ns: int) -> Iterator[tuple[str, object]]:
         """Return messages that report a pause of the stream."""
         return iter(())
 
@@ -49,7 +50,7 @@ def _no_live_part(_link: Link) -> LivePart:
     return LivePart()
 
 
-def _no_messages(_message: Any) -> Iterable[tuple[str, Any]]:
+def _no_messages(_message: Message) -> Iterable[tuple[str, object]]:
     return ()
 
 
@@ -72,4 +73,4 @@ class Parts:
     pulse_topic: str = ''                           # with the times of sync pulses, if any
     # Topics that services of the node publish, regenerated from a recording.
     service_topics: Mapping[str, type] = field(default_factory=dict)
-    service_messages: Callable[[Any], Iterable[tuple[str, Any]]] = _no_messages
+    service_messages: Callable[[Message], Iterable[tuple[str, object]]] = _no_messages

@@ -37,11 +37,11 @@ class StreamDecoder(ABC, Generic[Settings]):
     def __init__(self, settings: Settings, clock: Clock | None = None) -> None:
         """Set pipeline, which leaves messages unstamped without a clock."""
 
-    def head_values(self, _frame: Frame) -> dict[str, Any]:
+    def head_values(self, _frame: Frame) -> dict[str, object]:
         """Return properties of a frame that its message lacks."""
         return {}
 
-    def unavailable(self, _message: Any) -> Sequence[str]:
+    def unavailable(self, _message: Message) -> Sequence[str]:
         """Return the columns whose number in the message is not a measurement."""
         return ()
 

@@ -3,7 +3,6 @@
 """Task *Framing*: whether the bytes form intact frames."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 from bahrs_driver.diagnostics.task import ERROR, Message, OK, STALE, Status, WARN
 from bahrs_driver.diagnostics.window import Window
@@ -57,7 +56,7 @@ class FramingTask:
         self._unusable = False
         self._last_frame = (0, 0), 0    # frames, by opening of the port, and bytes up to it
         self._examined_at = -EXAMINE_PERIOD
-        self._reason: tuple[Message, dict[str, Any]] = INCOMPLETE, {}
+        self._reason: tuple[Message, dict[str, object]] = INCOMPLETE, {}
         self._window = Window(self._counts)
 
     def run(self, status: Status) -> Status:
@@ -107,12 +106,12 @@ class FramingTask:
             self._last_frame = count, received
         return received - self._last_frame[1]
 
-    def _why_no_frames(self, now: float) -> tuple[Message, dict[str, Any]]:
+    def _why_no_frames(self, now: float) -> tuple[Message, dict[str, object]]:
         if now - self._examined_at >= EXAMINE_PERIOD:
             self._examined_at, self._reason = now, self._examine_bytes()
         return self._reason
 
-    def _examine_bytes(self) -> tuple[Message, dict[str, Any]]:
+    def _examine_bytes(self) -> tuple[Message, dict[str, object]]:
         sample = self._counters.last_bytes
         found = self._recognize(sample)
         if found and found != self._sensor:

@@ -6,6 +6,8 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
+from bahrs_driver.protocol.message import Message
+
 from bahrs_driver.units import COUNTER_MODULUS
 
 
@@ -16,7 +18,7 @@ class LossCounter(Protocol):
     def lost(self) -> Mapping[str, int]:
         """Messages lost since the start."""
 
-    def observe(self, message: Any, flowing: float, rate: float) -> None:
+    def observe(self, message: Message, flowing: float, rate: float) -> None:
         """Count a message, with the seconds for which the stream has flowed and its rate in Hz."""
 
     def restart(self) -> None:
@@ -53,7 +55,7 @@ class RequestLosses:
         """Messages lost since the start."""
         return self._get_lost()
 
-    def observe(self, _message: Any, _flowing: float, _rate: float) -> None:
+    def observe(self, _message: Message, _flowing: float, _rate: float) -> None:
         """Do nothing: an answer shows no gap."""
 
     def restart(self) -> None:

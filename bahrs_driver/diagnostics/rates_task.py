@@ -4,12 +4,12 @@
 
 from collections import Counter
 from collections.abc import Mapping
-from typing import Any
 
 from bahrs_driver.diagnostics.losses import LossCounter, SequenceLosses
 from bahrs_driver.diagnostics.rate_monitor import RateMonitor
 from bahrs_driver.diagnostics.task import Message, NO_DATA, OK, STALE, Status, WARN
 from bahrs_driver.diagnostics.window import Window
+from bahrs_driver.protocol.message import Message as DeviceMessage
 
 RATE_SPAN = 2.0             # s over which a rate is measured
 LONGEST_GAP = 0.5           # s without any message, above which the device has paused
@@ -53,7 +53,7 @@ class RatesTask:
         """Messages lost since the start, by name."""
         return self._losses.lost
 
-    def observe(self, message: Any, now: float) -> None:
+    def observe(self, message: DeviceMessage, now: float) -> None:
         """Count a message."""
         name = message.NAME
         if name not in self._expected:

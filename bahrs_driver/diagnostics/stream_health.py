@@ -3,10 +3,10 @@
 """The diagnostics of one device and its stream of messages."""
 
 from collections.abc import Sequence
-from typing import Any
 
 from bahrs_driver.diagnostics.rates_task import RatesTask
 from bahrs_driver.diagnostics.task import DiagnosticTask
+from bahrs_driver.protocol.message import Message as DeviceMessage
 
 
 class StreamHealth:
@@ -16,7 +16,7 @@ class StreamHealth:
         self._rates = rates
         self.tasks: Sequence[DiagnosticTask] = (rates, *tasks)
 
-    def observe(self, message: Any, now: float) -> None:
+    def observe(self, message: DeviceMessage, now: float) -> None:
         """Count a message that arrived at a time of time.monotonic()."""
         self._rates.observe(message, now)
 

@@ -13,13 +13,13 @@ class. It does no I/O, reads no clock and transmits nothing.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from bahrs_driver.clock.interface import Clock, Instant
 from bahrs_driver.pipeline.events import DecodingFault, Event, Notice
 from bahrs_driver.pipeline.unstamped import Unstamped
 from bahrs_driver.protocol.decoder import Decoder
 from bahrs_driver.protocol.framing import Frame, Framer, FramingCounters
+from bahrs_driver.protocol.message import Message
 
 SAMPLE_SIZE = 256       # bytes kept, to find out which device sends a stream without frames
 NO_INSTANT = Instant(0, 0)
@@ -104,9 +104,9 @@ class Pipeline:
         return stamped
 
     def _decode(self, frames: Sequence[Frame]) -> tuple[
-            list[tuple[Any, Frame]], list[DecodingFault]]:
+            list[tuple[Message, Frame]], list[DecodingFault]]:
         decode, now = self._decoder.decode, self._now.raw_ns
-        messages: list[tuple[Any, Frame]] = []
+        messages: list[tuple[Message, Frame]] = []
         faults: list[DecodingFault] = []
         for frame in frames:
             try:

@@ -3,16 +3,16 @@
 """The clock of a pipeline whose messages need no time."""
 
 from collections.abc import Iterable
-from typing import Any
 
 from bahrs_driver.clock.interface import Clock, Stamped, TimeState
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.protocol.message import Message
 
 
 class Unstamped(Clock):
     """Return each message at once, with a stamp of 0."""
 
-    def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
+    def stamp(self, messages: Iterable[tuple[Message, Frame]]) -> list[Stamped]:
         """Return all messages, with a stamp of 0."""
         return [Stamped(message, frame, 0) for message, frame in messages]
 

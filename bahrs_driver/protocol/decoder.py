@@ -3,9 +3,10 @@
 """The interface between the pipeline and the decoder of a device."""
 
 from collections.abc import Collection
-from typing import Any, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.protocol.message import Message
 
 ItemT = TypeVar('ItemT', bound='Item')
 
@@ -14,10 +15,10 @@ class Item(Protocol):
     """A message with its stamp, as a named tuple of the clock."""
 
     @property
-    def message(self) -> Any:
+    def message(self) -> Message:
         """Message of the device."""
 
-    def _replace(self: ItemT, *, message: Any) -> ItemT:
+    def _replace(self: ItemT, *, message: Message) -> ItemT:
         """Return a copy with another message."""
 
 
@@ -38,7 +39,7 @@ class Decoder:
         """Return the kinds of messages that the device was asked for; None if not known."""
         return None
 
-    def decode(self, frame: Frame, now: int, /) -> Any:
+    def decode(self, frame: Frame, now: int, /) -> Message:
         """Return the message of an intact frame that was received by now."""
         raise NotImplementedError
 

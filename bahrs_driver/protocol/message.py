@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the messages of all devices have in common."""
 
+from dataclasses import dataclass
 from typing import ClassVar
 
 
+@dataclass(frozen=True, slots=True)
 class Message:
-    """A message of a device: a frozen dataclass with SI values."""
+    """Base of the messages of all devices: frozen dataclasses with SI values."""
 
-    __slots__ = ()
     NAME: ClassVar[str]
     SERVICE: ClassVar[bool] = False             # about the device itself, not a measurement
     SIGNALS: ClassVar[tuple[str, ...]] = ()     # names of the signals in `health`, in order

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
-Kind = type[Any]
+Kind = type[Any]        # each role has fields of its own
 
 
 @dataclass(frozen=True)

@@ -73,15 +73,19 @@ class Recording:
         return float(self.time_axis.seconds[-1]) if len(self.time_axis.seconds) else 0.0
 
 
+_EMPTY = Message()
+
+
 class _FrameCollector(Decoder):
     """A decoder that keeps frames, to decode many of them at once."""
 
     def __init__(self) -> None:
         self._frames: list[Frame] = []
 
-    def decode(self, frame: Frame, _now: int) -> None:
-        """Keep a frame."""
+    def decode(self, frame: Frame, _now: int) -> Message:
+        """Keep a frame, and return an empty message."""
         self._frames.append(frame)
+        return _EMPTY
 
     def take(self) -> list[Frame]:
         """Return the frames since the last call."""

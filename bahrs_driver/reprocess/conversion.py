@@ -9,7 +9,7 @@ their stamps without the steps of the host clock (see bag.log_clock).
 """
 
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.bag.log_clock import LogClock
@@ -140,7 +140,7 @@ class _SecondPass:
             self._add(converter.lost(moment.ros_ns), now)
         self._add_reports(self._diagnostics.update(chunk, moment, events))
 
-    def _add(self, messages: Iterator[tuple[str, Any]], log_ns: int) -> None:
+    def _add(self, messages: Iterator[tuple[str, object]], log_ns: int) -> None:
         counts, order = self._diagnostics.counts, self._order
         for topic, message in messages:
             counts[topic] += 1

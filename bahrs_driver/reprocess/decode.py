@@ -3,13 +3,13 @@
 """Decode bytes into typed messages, with the device time of each where the stream tells it."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
 
 from bahrs_driver.devices.registry import DEFAULT, DEVICES
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.stream_decoder import AnyDecoder
 from bahrs_driver.pipeline import Event, Pipeline
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.protocol.message import Message
 from bahrs_driver.protocol.message_roles import MessageRoles
 from bahrs_driver.reprocess.decoding_faults import DecodingFaults
 from bahrs_driver.reprocess.message_times import TimedMessage, with_times
@@ -31,7 +31,7 @@ def decode(chunks: Iterable[bytes], device: str = DEFAULT,
 
 
 def decode_stream(chunks: Iterable[bytes], decoder: AnyDecoder,
-                  faults: DecodingFaults) -> Iterator[tuple[Frame, Any]]:
+                  faults: DecodingFaults) -> Iterator[tuple[Frame, Message]]:
     """Yield the messages of a stream, each as soon as it is complete."""
     kinds = tuple(decoder.kinds)
     for events in _events(chunks, decoder.pipeline):
@@ -47,7 +47,7 @@ def _events(chunks: Iterable[bytes], pipeline: Pipeline) -> Iterator[Sequence[Ev
     yield pipeline.close()
 
 
-def with_device_time(messages: Iterable[tuple[Frame, Any]], roles: MessageRoles | None
+def with_device_time(messages: Iterable[tuple[Frame, Message]], roles: MessageRoles | None
                      ) -> Iterator[TimedMessage]:
     """Yield the messages of a stream with their device time, None where it is unknown."""
     if roles:

@@ -9,9 +9,10 @@ A gap of 256 samples right before the first time message cannot be detected.
 
 from collections import deque
 from collections.abc import Iterable, Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.protocol.message import Message
 from bahrs_driver.protocol.message_roles import MessageRoles
 from bahrs_driver.reprocess.counted_stream import CountedStream
 from bahrs_driver.units import NS_PER_US
@@ -23,7 +24,7 @@ class TimedMessage(NamedTuple):
     """A message with its frame and its device time in us, None if that is not certain."""
 
     frame: Frame
-    message: Any
+    message: Message
     device_time_us: int | None
 
 
@@ -31,7 +32,7 @@ class _Held(NamedTuple):
     """A message that waits for its time."""
 
     frame: Frame
-    message: Any
+    message: Message
     stream: CountedStream | None
     number: int | None              # its count; None without a plausible counter
 
@@ -50,12 +51,12 @@ class _Held(NamedTuple):
         return TimedMessage(self.frame, self.message, round(time, -3) // NS_PER_US)
 
 
-def with_times(messages: Iterable[tuple[Frame, Any]],
+def with_times(messages: Iterable[tuple[Frame, Message]],
                roles: MessageRoles) -> Iterator[TimedMessage]:
     """Yield the messages of a stream in their order, each with its device time in us or None."""
     samples, navigation = (CountedStream(roles, kind, votes=0)
                            for kind in (roles.sample, roles.navigation))
-    users: dict[type[Any], tuple[CountedStream, ...]] = {
+    users: dict[type[Message], tuple[CountedStream, ...]] = {
         roles.sample: (samples,), roles.sample_time: (samples,),
         roles.navigation: (navigation,), roles.navigation_time: (navigation,),
         roles.power_on: (samples, navigation)}
@@ -70,7 +71,7 @@ def with_times(messages: Iterable[tuple[Frame, Any]],
         yield held.popleft().timed()
 
 
-def _examined(frame: Frame, message: Any, streams: Iterable[CountedStream]) -> _Held:
+def _examined(frame: Frame, message: Message, streams: Iterable[CountedStream]) -> _Held:
     """Return a message once the streams have examined it."""
     for stream in streams:
         before = stream.count

@@ -3,11 +3,11 @@
 """Diagnostics task *Device* of a BAHRS: versions and identifier."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 from bahrs_driver.diagnostics.task import Message, NO_DATA, OK, Staleness, Status, WARN
 from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.bahrs.messages import HardwareVersion, Navigation, SoftwareVersion
+from bahrs_driver.protocol.message import Message as DeviceMessage
 
 # No aircraft is lower, but a pressure height above 4,500 m is if it is read as int16.
 LEAST_HEIGHT = -1000.0              # m
@@ -32,7 +32,7 @@ class DeviceTask:
         self._hardware: HardwareVersion | None = None
         self._wrong_height = False
 
-    def observe(self, message: Any) -> None:
+    def observe(self, message: DeviceMessage) -> None:
         """Remember the versions, and check the height, in a message."""
         if isinstance(message, SoftwareVersion):
             self._software = message

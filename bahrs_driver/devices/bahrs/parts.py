@@ -4,7 +4,6 @@
 
 from collections.abc import Iterator, Mapping
 import math
-from typing import Any
 
 from bahrs_driver.clock import ArrivalClock, Clock, ClockOptions, SampleClock
 from bahrs_driver.convert import nvm_page
@@ -19,6 +18,7 @@ from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import NvmPage
 from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.protocol.message import Message
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.request_loop import RequestLoop
 from bahrs_driver.units import NS_PER_S
@@ -54,7 +54,7 @@ def make_parts(settings: BahrsSettings) -> Parts:
         service_topics={nvm_page.TOPIC: UInt8MultiArray}, service_messages=_service_messages)
 
 
-def _service_messages(message: Any) -> Iterator[tuple[str, Any]]:
+def _service_messages(message: Message) -> Iterator[tuple[str, object]]:
     if isinstance(message, NvmPage):
         yield nvm_page.TOPIC, nvm_page.message(message.page, message.data)
 

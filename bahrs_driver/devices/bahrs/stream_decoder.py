@@ -4,15 +4,15 @@
 
 import argparse
 from collections.abc import Sequence
-from typing import Any
 
 from bahrs_driver.clock import Clock
 from bahrs_driver.devices.bahrs.settings import BahrsSettings, PressureHeight
 from bahrs_driver.devices.stream_decoder import StreamDecoder
 from bahrs_driver.pipeline import Pipeline
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat, frame_version
-from bahrs_driver.protocol.bahrs.messages import MESSAGES, TimeMessage
+from bahrs_driver.protocol.bahrs.messages import Inertial, MESSAGES, Navigation, TimeMessage
 from bahrs_driver.protocol.framing import Frame, Framer
+from bahrs_driver.protocol.message import Message
 
 
 class BahrsStreamDecoder(StreamDecoder[BahrsSettings]):
@@ -40,13 +40,13 @@ class BahrsStreamDecoder(StreamDecoder[BahrsSettings]):
         self.pipeline = Pipeline(Framer(self._format), BahrsCodec(settings.pressure_height.format),
                                  clock)
 
-    def head_values(self, frame: Frame) -> dict[str, Any]:
+    def head_values(self, frame: Frame) -> dict[str, object]:
         """Return the protocol version."""
         return {'version': frame_version(frame.data)}
 
-    def unavailable(self, message: Any) -> Sequence[str]:
+    def unavailable(self, message: Message) -> Sequence[str]:
         """Return unavailable signals, and the reference of a time message without a time."""
-        if message.SIGNALS:
+        if isinstance(message, (Inertial, Navigation)):
             return [name for name, integrity in zip(message.SIGNALS, message.health)
                     if not integrity.available]
         if isinstance(message, TimeMessage) and not message.valid:

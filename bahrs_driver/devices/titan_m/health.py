@@ -10,6 +10,7 @@ from bahrs_driver.diagnostics.losses import RequestLosses
 from bahrs_driver.diagnostics.rates_task import RatesTask
 from bahrs_driver.diagnostics.stream_health import StreamHealth
 from bahrs_driver.diagnostics.task import Message, NO_DATA, OK, Staleness, Status, WARN
+from bahrs_driver.protocol.message import Message as DeviceMessage
 from bahrs_driver.protocol.titan_m.byte_order import PayloadDecoder
 from bahrs_driver.protocol.titan_m.messages import TitanAnswer
 from bahrs_driver.protocol.titan_m.poller import Poller
@@ -78,7 +79,7 @@ class TitanHealth(StreamHealth):
         self._payloads = payloads
         self._released = 0              # answers that were observed before they were decoded
 
-    def observe(self, message: Any, now: float) -> None:
+    def observe(self, message: DeviceMessage, now: float) -> None:
         """Update the tasks with a message, received at a monotonic time in seconds."""
         if isinstance(message, TitanAnswer) and self._released < self._payloads.released:
             self._released += 1         # it was observed undecoded, when it arrived

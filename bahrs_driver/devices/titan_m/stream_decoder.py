@@ -4,13 +4,13 @@
 
 import argparse
 from collections.abc import Sequence
-from typing import Any
 
 from bahrs_driver.clock import Clock
 from bahrs_driver.devices.stream_decoder import StreamDecoder
 from bahrs_driver.devices.titan_m.settings import TitanMSettings
 from bahrs_driver.pipeline import Pipeline, Stamped
 from bahrs_driver.protocol.framing import Frame, Framer
+from bahrs_driver.protocol.message import Message
 from bahrs_driver.protocol.titan_m.byte_order import PayloadDecoder
 from bahrs_driver.protocol.titan_m.decoder import TitanDecoder
 from bahrs_driver.protocol.titan_m.frames import AnswerFormat, message_id
@@ -54,11 +54,11 @@ class TitanStreamDecoder(StreamDecoder[TitanMSettings]):
         self._payloads = PayloadDecoder[Stamped](settings.payload_order, MOST_HELD)
         self.pipeline = Pipeline(Framer(self._format), _OneStreamDecoder(self._payloads), clock)
 
-    def head_values(self, frame: Frame) -> dict[str, Any]:
+    def head_values(self, frame: Frame) -> dict[str, object]:
         """Return the message id of the answer."""
         return {'version': None, 'message_id': message_id(frame)}
 
-    def unavailable(self, message: Any) -> Sequence[str]:
+    def unavailable(self, message: Message) -> Sequence[str]:
         """Return the columns of a GPS answer that have no value without a position."""
         no_position = isinstance(message, Gps) and not 1 <= message.zone <= LAST_ZONE
         return OF_A_POSITION if no_position else ()

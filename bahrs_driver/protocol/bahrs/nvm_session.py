@@ -37,6 +37,7 @@ from bahrs_driver.protocol.bahrs.messages import (
     NvmReadRequest,
     VERSIONS,
 )
+from bahrs_driver.protocol.message import Message
 from bahrs_driver.units import NS_PER_MS, NS_PER_S
 
 PAGES = 250
@@ -158,7 +159,7 @@ class NvmSession:
         if error and not self._write_error:
             self._write_error, self._write_deadline = error, now + LOSS_TIME
 
-    def receive(self, message: BahrsMessage, checksum: str, now: int) -> None:
+    def receive(self, message: Message, checksum: str, now: int) -> None:
         """Process a message of the device; checksum is the name of that of its frame."""
         if isinstance(message, Inertial):
             self._count_stream(now)

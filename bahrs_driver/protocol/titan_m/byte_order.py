@@ -45,7 +45,7 @@ def little_endian_lead(answer: Answer) -> int:
 
 
 def _plausible(message: TitanAnswer) -> Iterator[bool]:
-    for item in fields(message):  # type: ignore[arg-type]
+    for item in fields(message):
         limits = LIMITS.get(item.name)
         if limits:
             value = getattr(message, item.name)
@@ -64,7 +64,7 @@ class PayloadDecoder(Generic[ItemT]):
 
     def __init__(self, order: OrderChoice = 'auto', max_held: int | None = MAX_HELD) -> None:
         self._forced = order
-        self._held: deque[ItemT] = deque(maxlen=max_held)
+        self._held: deque[tuple[ItemT, Answer]] = deque(maxlen=max_held)
         self.dropped = self.released = 0
         self.reset()
 
@@ -95,17 +95,17 @@ class PayloadDecoder(Generic[ItemT]):
             if abs(lead) >= ENOUGH:
                 self.contradicted = _leader(lead) != self.order
             return [item._replace(message=decode_payload(answer, self.order))]
-        return self._hold(item, lead)
+        return self._hold(item, answer, lead)
 
-    def _hold(self, item: ItemT, lead: int) -> list[ItemT]:
+    def _hold(self, item: ItemT, answer: Answer, lead: int) -> list[ItemT]:
         self.dropped += len(self._held) == self._held.maxlen
-        self._held.append(item)
+        self._held.append((item, answer))
         self._lead += lead
         if abs(self._lead) < ENOUGH:
             return [item]
         self.order = _leader(self._lead)
-        released = [held._replace(message=decode_payload(held.message, self.order))
-                    for held in self._held]
+        released = [held._replace(message=decode_payload(held_answer, self.order))
+                    for held, held_answer in self._held]
         self.released += len(released) - 1
         self._held.clear()
         return released

@@ -17,9 +17,10 @@ as in a recording, such a frame is a GPS answer only if its UTM zone is valid.
 
 from collections.abc import Collection
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Literal
 
 from bahrs_driver.protocol.framing import Frame
+from bahrs_driver.protocol.message import Message
 from bahrs_driver.protocol.titan_m.messages import (
     ANSWERS, ByteOrder, Gps, LAST_ZONE, LAYOUTS, PAYLOAD_SIZES, REQUESTS, Sensors, TitanAnswer,
     TitanRequest,
@@ -78,15 +79,13 @@ def build_answer(message: TitanAnswer, message_id: int = 0, payload_order: ByteO
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class Answer(Message):
     """
     An answer whose payload is not decoded yet.
 
     `asked` is the time of its request, in ns of the host's raw clock; None if not known.
     `wanted` is False for an answer to no outstanding request: it arrived late or twice.
     """
-
-    SERVICE: ClassVar[bool] = False
 
     kind: type[TitanAnswer]
     message_id: int
@@ -95,7 +94,7 @@ class Answer:
     wanted: bool = True
 
     @property
-    def NAME(self) -> str:      # noqa: N802, as all messages have it
+    def NAME(self) -> str:  # type: ignore[override]  # noqa: N802
         """Name of the message; 'unexpected' if it answers no outstanding request."""
         return self.kind.NAME if self.wanted else 'unexpected'
 
