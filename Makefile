@@ -17,7 +17,7 @@ help:
 	@echo '              PORT=/dev/ttyUSB0 for a real one, DURATION=15 to end by itself,'
 	@echo '              SENSOR=titan_m for the other device'
 	@echo 'make test     all tests and linters, in parallel; WORKERS=1 one after the other'
-	@echo 'make check    linters, types and unit tests: no process, no ROS'
+	@echo 'make check    linters, types and fast unit tests, in less than a minute'
 	@echo 'make test-noble   all tests with the package versions of Ubuntu 24.04;'
 	@echo '              PYTHON=python3.12 for its Python, too'
 	@echo 'make lint     linters only'
@@ -44,7 +44,7 @@ test: $(READY)
 	$(BIN)/python -m pytest $(PARALLEL)
 
 check: $(READY)
-	$(BIN)/python -m pytest $(PARALLEL) -m unit
+	$(BIN)/python -m pytest $(PARALLEL) -m 'unit and not slow'
 
 $(NOBLE)/.ready: requirements.txt test/constraints-ubuntu-24.04.txt setup.py setup.cfg
 	$(PYTHON) -m venv $(NOBLE)

@@ -34,6 +34,8 @@ settings.load_profile('repeatable')
 
 # A module of tests that imports one of these needs what the marker says.
 MARKED_BY = {'process': {'subprocess', 'processes'}, 'ros': {'rclpy', 'processes', 'starting'}}
+# And these directories, whatever they import.
+DIRECTORIES = {'golden': {'unit', 'slow'}, 'lint': {'unit'}}
 
 
 def pytest_collection_modifyitems(items: list[Any]) -> None:
@@ -46,8 +48,9 @@ def pytest_collection_modifyitems(items: list[Any]) -> None:
 
 def markers(module: ModuleType) -> set[str]:
     """Return the markers of all tests in a module: those of what it imports, or unit."""
-    if Path(str(module.__file__)).parent.name == 'lint':
-        return {'unit'}
+    directory = Path(str(module.__file__)).parent.name
+    if directory in DIRECTORIES:
+        return DIRECTORIES[directory]
     values = vars(module).values()
     imported = {value.__name__ if isinstance(value, ModuleType)
                 else str(getattr(value, '__module__', '')) for value in values}

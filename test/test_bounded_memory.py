@@ -148,6 +148,7 @@ def readings(sensor_name, seed):
         yield Reading(data, Instant(raw, ros))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('sensor_name', TRAFFIC)
 def test_hostile_traffic_grows_nothing(sensor_name):
     """Neither what is allocated, once all queues are full, nor what is published of it."""

@@ -95,6 +95,7 @@ def test_the_only_driver_is_found(words, options, name):
             watched('--json', *options)
 
 
+@pytest.mark.slow
 def test_several_drivers():
     """Each is shown by its name; without one, the monitor says which there are."""
     with PtyPort() as left, PtyPort() as right, Device(left), \

@@ -144,6 +144,7 @@ def test_nothing_to_record(tmp_path, words, sentence):
     assert sentence in recorder.text and 'Traceback' not in recorder.text
 
 
+@pytest.mark.slow
 def test_several_drivers(tmp_path):
     """One is recorded by its name; without one, the recorder says which there are."""
     with contextlib.ExitStack() as stack:

@@ -95,6 +95,7 @@ def test_what_ros_cannot_start_with(tmp_path, monkeypatch, name, value):
     assert f'{name}' in started.text['doctor']
 
 
+@pytest.mark.slow
 @settings(max_examples=5, suppress_health_check=list(HealthCheck))
 @given(variables=st.dictionaries(st.sampled_from(VARIABLES), ODD, min_size=1, max_size=3))
 def test_any_environment(tmp_path, variables):
@@ -106,6 +107,7 @@ def test_any_environment(tmp_path, variables):
         has_no_traceback(Started(tmp_path, []))
 
 
+@pytest.mark.slow
 @settings(max_examples=5, suppress_health_check=list(HealthCheck))
 @given(for_ros=ROS_WORDS)
 def test_any_words_for_ros(tmp_path, for_ros):

@@ -15,6 +15,7 @@ from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Frame
 from clock_simulation import Case
 from hypothesis import given, settings, strategies as st
+import pytest
 from support.simulated import simulated
 
 FAULTS_END = 8.0
@@ -66,6 +67,7 @@ def test_a_device_that_only_navigates_is_stamped_with_arrival():
 rates = st.sampled_from([0.0, 0.003, 0.01])
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(seed=st.integers(0, 10 ** 6), adapter=st.sampled_from([0.016, 0.001, 'packets', 'plain']),
        drift=st.floats(-200, 200), label=st.sampled_from([0, 1]), loss=rates, bad_counters=rates,

@@ -148,6 +148,7 @@ def test_the_host_clock_is_set_back_without_a_port(tmp_path):
         assert node.end(signal.SIGTERM) == 0
 
 
+@pytest.mark.slow
 def test_signals_at_random_moments(tmp_path):
     """Status 0 and no traceback, whatever the node was doing; `bench/exits.py` counts to 300."""
     for each in random_starts(9, SettableClock(tmp_path), seed=4):

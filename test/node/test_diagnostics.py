@@ -102,6 +102,7 @@ def test_a_forbidden_port():
             assert says(ear, 'Link', ERROR, 'may not be opened by user')
 
 
+@pytest.mark.slow
 def test_lost_frames_are_counted_right(tmp_path):
     """As many as the emulator dropped, one in a hundred, through several turns of the counters."""
     port, file, truth = str(tmp_path / 'port'), tmp_path / 'flight.bin', tmp_path / 'truth.jsonl'

@@ -48,6 +48,7 @@ def another_reader(path):
             reader.kill()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('first', ['driver', pytest.param('reader')])
 def test_another_program_that_reads_the_port_is_reported_once(cable, first):
     """By name, whoever came first; the port stays open, and what is left is published."""

@@ -201,6 +201,7 @@ def test_damaged_frames_are_counted_and_not_logged(cable):
         assert len(node.lines) == 1
 
 
+@pytest.mark.slow
 def test_real_recording_at_real_pace(tmp_path):
     """Every frame arrives, at 200 and 100 Hz, at rest about +9.75 m/s^2 on z."""
     seconds, frame_bytes = 20, 24 * 200 + 24 * 100 + (28 + 20 + 20) * 10

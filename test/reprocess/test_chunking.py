@@ -158,6 +158,7 @@ def whole():
     return live([1])
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(sizes=chunkings)
 @example(sizes=[LONGEST_READ])

@@ -5,6 +5,7 @@
 import random
 
 from hypothesis import given, settings, strategies as st
+import pytest
 from support.conversions import converted, flight, ORIGIN, Pieces, S
 
 SECONDS = 12.0
@@ -26,6 +27,7 @@ def noise(chunk):
     return chunk._replace(data=random.Random(chunk.read_at).randbytes(len(chunk.data)))
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(begin=st.floats(1.5, 6.0), seconds=st.floats(0.5, 5.0), junk=st.booleans(),
        reopened=st.booleans())

@@ -41,6 +41,7 @@ def test_without_data(words, status, sentence):
     assert sentence in complaint.splitlines()[-1]
 
 
+@pytest.mark.slow
 def test_with_data():
     """It ends well."""
     status, complaint = ran('--duration', '15')
