@@ -11,7 +11,7 @@ from support.shared_files import shared_file
 
 @pytest.fixture(scope='session')
 def vectors() -> list[dict[str, Any]]:
-    """Return the BAHRS frames that were made independently of this project."""
+    """Return the BAHRS frames generated independently of this project."""
     content = json.loads(shared_file('vectors/frames.json').read_text())
     return [vector for vector in content if vector['device'] == 'bahrs']
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of decoding all at once: equal to decoding one by one, to the last bit."""
+"""Tests of batch decoding: the same values as decoding one by one, to the last bit."""
 
 import dataclasses
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ LAYOUTS = [*layouts().values(), *layouts('int16').values(), *TITAN_LAYOUTS.value
 
 @dataclass(frozen=True)
 class Strange:
-    """A message of another device: other rows, other byte order."""
+    """A message of another device, with other rows and another byte order."""
 
     name: str = wire(text(4))
     force: Vector = wire(vector('i', 1e-6, 'm/s^2'))
@@ -36,7 +36,7 @@ class Strange:
 
 
 def same(value, element):
-    """Return whether an element of an array is what the codec made of the same bytes."""
+    """Return whether an element of an array equals the value decoded by the codec."""
     if isinstance(value, tuple):
         return len(value) == len(element) and all(map(same, value, element))
     if value is None or isinstance(value, float) and math.isnan(value):
@@ -55,8 +55,8 @@ def check(layout, payloads, array):
 
 @given(layout=st.sampled_from([*LAYOUTS, Layout(Strange), Layout(Strange, byte_order='>')]),
        data=st.data())
-def test_any_bytes_are_read_as_the_codec_reads_them(layout, data):
-    """Every message of every version, and those of a device with other rows."""
+def test_any_bytes_are_decoded_as_by_the_codec(layout, data):
+    """For every message of every version, and for a device with other rows."""
     payloads = data.draw(st.lists(
         st.binary(min_size=layout.size, max_size=layout.size), max_size=5))
     offsets = np.arange(len(payloads)) * 10
@@ -66,7 +66,7 @@ def test_any_bytes_are_read_as_the_codec_reads_them(layout, data):
 
 
 def test_columns():
-    """Vectors and health have their components, what is invalid is NaN."""
+    """Vectors and health have their components; invalid values are NaN."""
     codec = BahrsCodec()
     safe = (Integrity.SAFE,) * 5 + (Integrity.INTEGRITY_RISK,)
     messages = [Inertial(3, (0.0, 1.4964e-3, 0.0), (0.0, 0.0, 0.0), safe),
@@ -83,7 +83,7 @@ def test_columns():
 
 
 def test_versions_mixed():
-    """Stream order is kept, each with the scale of its version."""
+    """Messages are in stream order, each with the scale of its version."""
     codec, framer = BahrsCodec(), Framer(BahrsFormat())
     force, safe = (1.0, 2.0, 3.0), (Integrity.SAFE,) * 6
     sent = [(Inertial(index, force, (0.0, 0.0, 0.0), safe), 2 + index % 2) for index in range(9)]

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Tests of the framer, on BAHRS frames made independently of it.
+Tests of the framer, on BAHRS frames generated independently of it.
 
-What it must never do: lose an intact frame, invent one, depend on how the stream was cut into
-chunks, or lose count of the bytes.
+It must not lose an intact frame, return a false one, depend on the division into chunks, or lose
+count of the bytes.
 """
 
 from collections import Counter
@@ -37,10 +37,10 @@ DEBUG_C0 = bytes.fromhex('4e450300c0 01 404b4c0000000000 0500 68656c6c6f 000000 
 
 
 class Run:
-    """What a new framer made of a stream."""
+    """The result of a new framer for a stream."""
 
     def __init__(self, pieces, order='auto', flush=True, **options):
-        """Feed the pieces, one after the other."""
+        """Feed the pieces one after another."""
         self.framer = Framer(BahrsFormat(order), **options)
         self.frames = [frame for piece in pieces for frame in self.framer.feed(piece)]
         if flush:
@@ -50,38 +50,38 @@ class Run:
 
 
 def accounted(framer):
-    """Return the sum of all that a framer says of its bytes."""
+    """Return the sum of all byte counts of a framer."""
     counters = framer.counters
     return (counters.frame_bytes + counters.unknown_bytes + counters.skipped_bytes
             + framer.pending)
 
 
 def streams():
-    """Draw streams of anything: known, unknown and broken frames, noise."""
+    """Draw streams of known, unknown and broken frames, and noise."""
     return st.lists(known_frames() | debug_frames() | noise(), max_size=8).map(b''.join)
 
 
 @st.composite
 def hostile_bytes(draw):
-    """Draw long noise made to be kept: markers, headers of unknown types and of long frames."""
+    """Draw long noise that a framer keeps: markers, headers of unknown types and long frames."""
     piece = st.sampled_from((
         b'N', b'E', b'NE', b'\x00', PAGE_HEADER, b'NE\x02\x00\xC0', b'NE\x04\x00\x01', bytes(30),
         b'NE\x03\x00\xF0', b'NE\x03\x00\xF1\x00\x00\x00', bytes(300), DEBUG_C1))
     return b''.join(draw(st.lists(piece, max_size=30))) * draw(st.integers(1, 8))
 
 
-# What is delivered
+# Frames
 
 def test_a_frame_is_delivered_with_its_last_byte():
-    """Not before, and not later."""
+    """Neither earlier nor later."""
     framer = Framer(BahrsFormat())
     assert framer.feed(FIRST_FRAME[:-1]) == []
     (frame,) = framer.feed(FIRST_FRAME[-1:])
     assert (frame.offset, frame.data, frame.checksum, frame.end) == (0, FIRST_FRAME, 'word', 24)
 
 
-def test_nothing_in_gives_nothing_out():
-    """Also when flushed."""
+def test_no_bytes_give_no_frames():
+    """A flush gives none either."""
     run = Run([b'', b''])
     assert (run.frames, run.framer.received, run.framer.pending) == ([], 0, 0)
 
@@ -89,29 +89,29 @@ def test_nothing_in_gives_nothing_out():
 @properties(150)
 @given(known_frames())
 def test_a_known_frame_is_found_byte_by_byte(frame):
-    """Every message, version, checksum and padding there is."""
+    """For every message, version, checksum and padding."""
     assert Run(bytes([byte]) for byte in frame).data == [frame]
 
 
 @properties(100)
 @given(service_frames(), st.sampled_from(('auto', 'word', 'byte')))
 def test_service_frames_are_found_in_all_variants_under_any_order(frame, order):
-    """A forced order is that of the stream only."""
+    """A forced order applies only to the stream."""
     assert Run([FIRST_FRAME, frame, PULSE], order).data.count(frame) == 1
 
 
 @properties(250)
 @given(st.lists(st.tuples(noise(), known_frames()), max_size=5), noise())
 def test_intact_frames_amid_noise_are_found_in_order_and_nothing_else(parts, end):
-    """The contract of the framer."""
+    """This is the contract of the framer."""
     run = Run([b''.join(before + frame for before, frame in parts) + end])
     assert run.data == [frame for _, frame in parts]
 
 
 @properties(100)
 @given(streams())
-def test_an_offset_is_where_the_frame_stands_in_the_stream(stream):
-    """And end is one past it."""
+def test_offset_and_end_are_positions_in_the_stream(stream):
+    """The end is that of the byte after the frame."""
     for frame in Run([stream]).frames:
         assert stream[frame.offset:frame.end] == frame.data
 
@@ -119,7 +119,7 @@ def test_an_offset_is_where_the_frame_stands_in_the_stream(stream):
 @properties(150)
 @given(st.lists(known_frames(), min_size=1, max_size=4), st.data())
 def test_flipped_bits_lose_only_the_frame_that_they_are_in(frames, data):
-    """Wherever they are, in the header too."""
+    """Wherever they are, including the header."""
     index = data.draw(st.integers(0, len(frames) - 1))
     broken = data.draw(flipped_frames(st.just(frames[index])))
     run = Run(frames[:index] + [broken] + frames[index + 1:])
@@ -129,7 +129,7 @@ def test_flipped_bits_lose_only_the_frame_that_they_are_in(frames, data):
 
 @pytest.mark.parametrize('bit', range(8 * len(FIRST_FRAME)))
 def test_each_bit_matters(bit):
-    """In the padding and in the checksum too."""
+    """Including those of padding and checksum."""
     broken = bytearray(FIRST_FRAME)
     broken[bit // 8] ^= 1 << bit % 8
     assert Run([PULSE, bytes(broken), PULSE]).data == [PULSE, PULSE]
@@ -146,7 +146,7 @@ def test_the_beginning_of_a_marker_before_a_frame_does_not_hide_it(lead, size):
 
 @pytest.mark.parametrize('cut', range(1, len(FIRST_FRAME)))
 def test_a_truncated_frame_costs_nothing_but_itself(cut):
-    """The bytes that it claims are those of the next."""
+    """The bytes that it claims belong to the next frame."""
     run = Run([FIRST_FRAME[:cut] + PULSE + PULSE])
     assert (run.data, run.counters.skipped_bytes) == ([PULSE, PULSE], cut)
 
@@ -159,7 +159,7 @@ def test_a_frame_inside_the_bytes_that_a_broken_one_claims_is_found():
 
 
 def test_a_frame_inside_an_intact_one_is_part_of_it():
-    """A page of the memory may hold anything."""
+    """A page of the memory may contain anything."""
     page = make_frame(3, 0xF3, b'\x07' + FIRST_FRAME + bytes(8), 'crc32', padded=False)
     assert Run([page]).data == [page]
 
@@ -169,7 +169,7 @@ def test_a_frame_inside_an_intact_one_is_part_of_it():
 @properties(200)
 @given(streams(), chunk_sizes())
 def test_chunks_of_any_size_give_the_same_frames_and_counters(stream, sizes):
-    """As the whole stream at once."""
+    """The result equals that of the whole stream at once."""
     whole, cut = Run([stream]), Run(chunks(stream, sizes))
     assert cut.frames == whole.frames
     assert cut.counters == whole.counters
@@ -178,15 +178,15 @@ def test_chunks_of_any_size_give_the_same_frames_and_counters(stream, sizes):
 @properties(150)
 @given(streams(), chunk_sizes())
 def test_chunks_give_the_same_counters_where_gaps_are_long(stream, sizes):
-    """A gap longer than the framer keeps is judged alike however it came."""
+    """A gap longer than the framer keeps is counted the same way."""
     whole, cut = Run([stream], max_gap=60), Run(chunks(stream, sizes), max_gap=60)
     assert cut.frames == whole.frames
     assert cut.counters == whole.counters
 
 
 @pytest.mark.parametrize('size', [1, 2, 5, 28, 29, 1000, 10 ** 6])
-def test_a_long_run_of_unknown_frames_is_counted_whole(size):
-    """A device of a later version sends nothing else."""
+def test_all_frames_of_a_long_unknown_sequence_are_counted(size):
+    """A device of a later version sends only such frames."""
     stream = make_frame(4, 0x01, bytes(15)) * 200
     run = Run(chunks(stream, [size]))
     assert run.counters.unknown_types == {'0x01 of version 4': 200}
@@ -199,7 +199,7 @@ def test_a_long_run_of_unknown_frames_is_counted_whole(size):
 @given(st.one_of(streams(), hostile_bytes(), st.binary(max_size=300)), chunk_sizes(),
        st.sampled_from((0, 1, 50, 1024)))
 def test_every_byte_received_is_accounted_for_at_any_time(stream, sizes, gap):
-    """As a frame, unknown, skipped or pending, once."""
+    """Exactly once: as a frame, unknown, skipped or pending."""
     framer = Framer(BahrsFormat(), max_gap=gap)
     fed = 0
     for chunk in chunks(stream, sizes):
@@ -212,8 +212,8 @@ def test_every_byte_received_is_accounted_for_at_any_time(stream, sizes, gap):
 
 @properties(100)
 @given(st.lists(known_frames(), max_size=6), chunk_sizes())
-def test_a_clean_stream_is_counted_as_frames_alone(frames, sizes):
-    """No failure, nothing skipped, nothing left."""
+def test_a_clean_stream_is_counted_only_as_frames(frames, sizes):
+    """Nothing fails, is skipped or is pending."""
     run = Run(chunks(b''.join(frames), sizes), flush=False)
     counters = run.counters
     assert (counters.frames, counters.frame_bytes) == (len(frames), sum(map(len, frames)))
@@ -222,36 +222,36 @@ def test_a_clean_stream_is_counted_as_frames_alone(frames, sizes):
 
 
 def test_a_failed_checksum_is_counted_once():
-    """And its bytes are skipped."""
+    """Its bytes are skipped."""
     broken = FIRST_FRAME[:10] + b'\xAA' + FIRST_FRAME[11:]
     counters = Run([PULSE, broken, PULSE]).counters
     assert (counters.crc_failures, counters.skipped_bytes, counters.frames) == (1, 24, 2)
 
 
 def test_a_failed_service_frame_is_counted_once():
-    """Though it has two sizes and three checksums to fail."""
+    """Although two sizes and three checksums fail."""
     assert Run([b'NE\x03\x00\xF0' + bytes(20)]).counters.crc_failures == 1
 
 
 def test_noise_is_skipped_without_a_failure():
-    """Nothing in it claimed to be a frame."""
+    """Without a marker there is no candidate."""
     counters = Run([b'noise, no more', FIRST_FRAME]).counters
     assert (counters.crc_failures, counters.skipped_bytes) == (0, 14)
 
 
 def test_bytes_that_can_be_in_no_frame_are_skipped_at_once():
-    """They do not wait for the next frame."""
+    """They are not pending until the next frame."""
     run = Run([bytes(100)], flush=False)
     assert run.counters.skipped_bytes >= 99
 
 
-# Types that are not known
+# Unknown types
 
 @properties(200)
 @given(st.lists(st.tuples(known_frames(), st.lists(debug_frames(), max_size=3)), min_size=1,
                 max_size=4), known_frames(), chunk_sizes())
 def test_debug_frames_between_frames_are_counted_and_cost_nothing(parts, last, sizes):
-    """By type, and not as skipped."""
+    """By type, instead of skipped bytes."""
     debug = [frame for _, frames in parts for frame in frames]
     stream = b''.join(known + b''.join(frames) for known, frames in parts) + last
     run = Run(chunks(stream, sizes), flush=False)
@@ -264,7 +264,7 @@ def test_debug_frames_between_frames_are_counted_and_cost_nothing(parts, last, s
 @pytest.mark.parametrize('debug, name', [(DEBUG_C0, '0xC0'), (DEBUG_C1, '0xC1')])
 @pytest.mark.parametrize('order', ['auto', 'word'])
 def test_a_literal_debug_frame_is_counted(debug, name, order):
-    """Made from the layout that is known of it."""
+    """Its layout is known, although the document does not have it."""
     run = Run([FIRST_FRAME, debug, FIRST_FRAME], order)
     assert run.counters.unknown_types == {name: 1}
     assert (run.counters.unknown_bytes, run.counters.skipped_bytes) == (len(debug), 0)
@@ -272,7 +272,7 @@ def test_a_literal_debug_frame_is_counted(debug, name, order):
 
 @pytest.mark.parametrize('message_type, size', [(0x01, 15), (0x02, 13), (0xF0, 0), (0x20, 40)])
 def test_frames_of_an_unknown_version_are_counted_and_cost_nothing(message_type, size):
-    """A later device beside a known one."""
+    """A newer device may be on the line."""
     later = make_frame(4, message_type, bytes(size))
     run = Run([FIRST_FRAME, later, later, PULSE])
     assert run.data == [FIRST_FRAME, PULSE]
@@ -282,7 +282,7 @@ def test_frames_of_an_unknown_version_are_counted_and_cost_nothing(message_type,
 
 @pytest.mark.parametrize('size', [1, 3, 10 ** 6])
 def test_unknown_frames_at_the_end_are_counted_by_flush(size):
-    """The end of the stream is the end of the last."""
+    """The last one ends with the stream."""
     run = Run(chunks(FIRST_FRAME + DEBUG_C1 + DEBUG_C0, [size]))
     assert run.counters.unknown_types == {'0xC1': 1, '0xC0': 1}
     assert run.counters.skipped_bytes == 0
@@ -297,20 +297,20 @@ def test_a_frame_cut_short_by_the_end_does_not_hide_the_unknown_one_before_it(ta
 
 
 def test_noise_before_an_unknown_frame_does_not_hide_it():
-    """The noise alone is skipped."""
+    """Only the noise is skipped."""
     counters = Run([FIRST_FRAME, b'noise' + DEBUG_C1, FIRST_FRAME]).counters
     assert (counters.unknown_types, counters.skipped_bytes) == ({'0xC1': 1}, 5)
 
 
 def test_a_broken_unknown_frame_is_skipped():
-    """Its checksum must vouch for it."""
+    """It counts only if its checksum passes."""
     counters = Run([FIRST_FRAME, DEBUG_C1[:-1] + b'?', FIRST_FRAME]).counters
     assert (counters.unknown_types, counters.skipped_bytes) == ({}, 20)
 
 
 @pytest.mark.parametrize('inside', [b'NE', b'NE\x02\x00\xC0', b'NE\x02\x00\x05'])
 def test_a_marker_inside_an_unknown_frame_does_not_hide_it(inside):
-    """Its payload may hold anything."""
+    """Its payload may contain anything."""
     payload = b'\x01' + bytes(8) + b'\x10\x00' + inside + bytes(16 - len(inside))
     run = Run([FIRST_FRAME, make_frame(2, 0xC0, payload), FIRST_FRAME])
     assert run.data == [FIRST_FRAME, FIRST_FRAME]
@@ -318,7 +318,7 @@ def test_a_marker_inside_an_unknown_frame_does_not_hide_it(inside):
 
 
 def test_a_broken_frame_after_an_unknown_one_does_not_hide_it():
-    """The candidate that fails tells where the unknown frame may end."""
+    """The unknown frame may end at the rejected candidate."""
     broken = FIRST_FRAME[:10] + b'\xAA' + FIRST_FRAME[11:]
     counters = Run([FIRST_FRAME, DEBUG_C1, broken, FIRST_FRAME]).counters
     assert (counters.unknown_types, counters.skipped_bytes) == ({'0xC1': 1}, 24)
@@ -330,12 +330,12 @@ def test_a_broken_frame_after_an_unknown_one_does_not_hide_it():
 @given(st.lists(st.tuples(stream_frames(['word']) | stream_frames(['byte']), noise()),
                 min_size=1, max_size=8))
 def test_a_change_of_order_loses_nothing(parts):
-    """A device may be exchanged for one of the other kind."""
+    """Another device may be on the line."""
     assert Run([frame + after for frame, after in parts]).data == [frame for frame, _ in parts]
 
 
 def test_the_order_seen_follows_the_stream():
-    """It is that of the latest frame."""
+    """It is the order of the latest frame."""
     frame_format = BahrsFormat()
     framer = Framer(frame_format)
     seen = []
@@ -347,7 +347,7 @@ def test_the_order_seen_follows_the_stream():
 
 @pytest.mark.parametrize('order', ['word', 'byte'])
 def test_a_forced_order_rejects_the_other(order):
-    """And goes on finding its own."""
+    """Frames of the forced order are found."""
     frames = {checksum: make_frame(2, 0x01, bytes(14), checksum) for checksum in ('word', 'byte')}
     run = Run([frames['byte'], frames['word'], frames['byte'], frames['word']], order)
     assert run.data == [frames[order]] * 2
@@ -359,8 +359,8 @@ def test_a_forced_order_rejects_the_other(order):
 
 @properties(150)
 @given(st.one_of(hostile_bytes(), streams()), chunk_sizes(), st.sampled_from((0, 64, 1024)))
-def test_what_is_held_back_is_bounded(stream, sizes, gap):
-    """After any feed, however hostile the noise."""
+def test_pending_bytes_are_bounded(stream, sizes, gap):
+    """After any feed, for any noise."""
     framer = Framer(BahrsFormat(), max_gap=gap)
     for chunk in chunks(stream, sizes):
         framer.feed(chunk)
@@ -370,8 +370,8 @@ def test_what_is_held_back_is_bounded(stream, sizes, gap):
 @pytest.mark.parametrize('unit', [
     b'NE', b'N', PAGE_HEADER, b'NE\x02\x00\xC0', b'NE\x03\x00\xF0', b'NE\x04\x00\x01' + bytes(40)])
 @pytest.mark.parametrize('size', [1, 64, 10 ** 6])
-def test_what_is_held_back_of_endless_noise_is_bounded(unit, size):
-    """By the longest gap and one frame."""
+def test_pending_bytes_of_endless_noise_are_bounded(unit, size):
+    """The bound is the longest gap and one frame."""
     stream = unit * (20000 // len(unit))
     framer = Framer(BahrsFormat())
     for chunk in chunks(stream, [size]):
@@ -390,7 +390,7 @@ class Meter(BahrsFormat):
         return super().passing_checksum(frame, expected)
 
     def name_unknown(self, frame):
-        """Count the bytes of a stranger."""
+        """Count the bytes of an unknown candidate."""
         self.work += len(frame)
         return super().name_unknown(frame)
 
@@ -399,7 +399,7 @@ class Meter(BahrsFormat):
     b'NE', b'N', PAGE_HEADER, b'NE\x02\x00\xC0', b'NE\x03\x00\xF0', DEBUG_C1, FIRST_FRAME])
 @pytest.mark.parametrize('size', [1, 7, 10 ** 6])
 def test_the_work_for_a_byte_is_bounded(unit, size):
-    """By the longest gap: a hostile stream must not stop the driver."""
+    """The bound is the longest gap: a hostile stream must not stop the driver."""
     meter = Meter()
     framer = Framer(meter)
     for chunk in chunks(unit * (24000 // len(unit)), [size]):
@@ -413,7 +413,7 @@ def test_the_work_for_a_byte_is_bounded(unit, size):
 @example(b'NE', [1], 'auto')
 @example(b'NE\x03\x00\xF0', [5], 'word')
 def test_no_bytes_raise(stream, sizes, order):
-    """And what is found decodes."""
+    """All frames found can be decoded."""
     codec = BahrsCodec()
     for frame in Run(chunks(stream, sizes), order).frames:
         assert codec.decode(frame).TYPE == frame.data[4]
@@ -421,16 +421,16 @@ def test_no_bytes_raise(stream, sizes, order):
 
 # The end of a stream
 
-def test_flush_gives_the_frames_that_an_incomplete_candidate_was_hiding():
-    """In order."""
+def test_flush_returns_the_frames_inside_an_incomplete_candidate():
+    """In stream order."""
     framer = Framer(BahrsFormat())
     assert framer.feed(PAGE_HEADER + PULSE + b'NE') == []
     assert [frame.data for frame in framer.flush()] == [PULSE]
     assert (framer.pending, framer.counters.skipped_bytes) == (0, 7)
 
 
-def test_flush_gives_frames_behind_several_incomplete_candidates():
-    """Each of which was hiding the next."""
+def test_flush_returns_frames_after_several_incomplete_candidates():
+    """Each of them contains the next."""
     framer = Framer(BahrsFormat())
     first = framer.feed(PAGE_HEADER + FIRST_FRAME[:6] + PULSE)
     assert [frame.data for frame in first + framer.flush()] == [PULSE]
@@ -438,8 +438,8 @@ def test_flush_gives_frames_behind_several_incomplete_candidates():
 
 @properties(100)
 @given(streams(), st.integers(1, 23))
-def test_flush_ends_the_stream_for_good(stream, cut):
-    """The other half of a frame does not join the first."""
+def test_flush_ends_the_stream(stream, cut):
+    """The halves of a frame before and after it are not joined."""
     framer = Framer(BahrsFormat())
     framer.feed(stream + FIRST_FRAME[:cut])
     framer.flush()
@@ -449,8 +449,8 @@ def test_flush_ends_the_stream_for_good(stream, cut):
 
 @properties(100)
 @given(streams())
-def test_a_frame_after_a_flush_is_found_where_it_stands(stream):
-    """Offsets go on from before."""
+def test_offsets_continue_after_a_flush(stream):
+    """They count all bytes fed."""
     framer = Framer(BahrsFormat())
     framer.feed(stream)
     framer.flush()
@@ -458,8 +458,8 @@ def test_a_frame_after_a_flush_is_found_where_it_stands(stream):
     assert (frame.offset, frame.data) == (len(stream), FIRST_FRAME)
 
 
-def test_a_flush_without_bytes_changes_nothing():
-    """Nor does a second one."""
+def test_a_flush_without_pending_bytes_changes_nothing():
+    """Neither does another one."""
     run = Run([FIRST_FRAME])
     before = run.counters.frames, run.framer.received
     assert run.framer.flush() == []
@@ -483,7 +483,7 @@ class Tagged:
         return 'crc' if zlib.crc32(frame[:-4]).to_bytes(4, 'big') == frame[-4:] else None
 
     def name_unknown(self, frame):
-        """Return nothing: all types are known."""
+        """Return None: all types are known."""
         return None
 
 
@@ -497,7 +497,7 @@ def tagged(payload):
 @given(st.lists(st.tuples(st.text('AB', max_size=9), st.binary(max_size=12)), max_size=5),
        chunk_sizes())
 def test_a_longer_marker_is_found_across_chunks(parts, sizes):
-    """Also where noise begins like it."""
+    """Even if noise begins like it."""
     frames = [tagged(payload) for _, payload in parts]
     stream = b''.join(lead.encode() + frame for (lead, _), frame in zip(parts, frames))
     framer = Framer(Tagged())
@@ -523,15 +523,15 @@ def test_the_recording_is_framed_without_a_failure(recording):
     assert {frame.checksum for frame in frames} == {'word'}
 
 
-def test_the_recording_read_in_byte_order_has_no_frame(recording):
-    """The orders are not mistaken for each other."""
+def test_the_recording_has_no_frame_in_byte_order(recording):
+    """The two orders are never confused."""
     run = Run([recording[:100000]], 'byte')
     assert (run.frames, run.counters.frames) == ([], 0)
 
 
 @pytest.mark.parametrize('start', [1, 5, 23])
-def test_the_recording_begun_amid_a_frame_loses_only_that(recording, start):
-    """As a driver does that starts later."""
+def test_a_start_inside_a_frame_loses_only_that_frame(recording, start):
+    """A driver may start at any time."""
     run = Run(chunks(recording[start:20000], [17]), flush=False)
     assert run.frames[0].offset == 24 - start
     assert run.counters.skipped_bytes == 24 - start

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the integrity values and of the two ways in which a health field packs them."""
+"""Tests of the integrity values and of their two encodings in health fields."""
 
 from bahrs_driver.protocol.integrity import Integrity, two_bit_fields, valid_bits
 from hypothesis import given, strategies as st
@@ -18,7 +18,7 @@ RISK, RESERVED = Integrity.INTEGRITY_RISK, Integrity.RESERVED
     (0b11, 'reserved', False),
 ])
 def test_each_bit_pattern_has_its_label_and_availability(bits, label, available):
-    """Section 2.4, and the pattern that it leaves out."""
+    """As in section 2.4, and for the undefined pattern."""
     integrity = Integrity(bits)
     assert (integrity.label, integrity.available) == (label, available)
 
@@ -51,20 +51,20 @@ def test_valid_bits_put_the_first_signal_lowest(bits, health):
 
 
 def test_reserved_bits_of_a_health_word_are_ignored():
-    """Bits 10 to 15 of a word with five signals mean nothing."""
+    """Bits 10 to 15 of a word with five signals are reserved."""
     decode, _ = two_bit_fields(5)
     assert decode(0xFC01) == (SAFE, *(UNAVAILABLE,) * 4)
 
 
 def test_reserved_bits_of_a_health_byte_are_ignored():
-    """Bits 5 to 7 of a byte with five signals mean nothing."""
+    """Bits 5 to 7 of a byte with five signals are reserved."""
     decode, _ = valid_bits(5)
     assert decode(0xE1) == (SAFE, *(UNAVAILABLE,) * 4)
 
 
 @pytest.mark.parametrize('doubtful', [RISK, RESERVED])
 def test_only_a_safe_signal_is_encoded_as_valid(doubtful):
-    """One bit cannot tell of a risk, so it must not promise safety."""
+    """One bit cannot express a risk, so it must not mean safe."""
     _, encode = valid_bits(3)
     assert encode((SAFE, doubtful, SAFE)) == 0b101
 
@@ -72,7 +72,7 @@ def test_only_a_safe_signal_is_encoded_as_valid(doubtful):
 @independent.properties(200)
 @given(st.integers(0, 0xFFFF))
 def test_any_health_word_decodes_to_members(word):
-    """Nothing that comes over the wire raises."""
+    """No content raises."""
     decode, encode = two_bit_fields(6)
     health = decode(word)
     assert [type(integrity) for integrity in health] == [Integrity] * 6
@@ -82,7 +82,7 @@ def test_any_health_word_decodes_to_members(word):
 @independent.properties(200)
 @given(st.integers(0, 0xFF))
 def test_any_health_byte_decodes_to_members(bits):
-    """Nothing that comes over the wire raises."""
+    """No content raises."""
     decode, encode = valid_bits(6)
     health = decode(bits)
     assert [type(integrity) for integrity in health] == [Integrity] * 6

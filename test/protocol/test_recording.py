@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the core on what a real device sent, undamaged and damaged."""
+"""Tests of the protocol on the recording of a real device, intact and damaged."""
 
 from collections import Counter
 import random
@@ -17,8 +17,8 @@ def frames(recording):
     return framer.feed(recording) + framer.flush()
 
 
-def test_everything_is_understood(recording):
-    """No byte is left over."""
+def test_all_bytes_are_decoded(recording):
+    """None is skipped."""
     frame_format = BahrsFormat()
     framer, codec = Framer(frame_format), BahrsCodec()
     found = [frame for start in range(0, len(recording), 4096)
@@ -32,7 +32,7 @@ def test_everything_is_understood(recording):
     assert {frame_version(frame.data) for frame in found} == {2}
 
 
-def test_encoding_gives_the_recording_back(recording, frames):
+def test_encoding_reproduces_the_recording(recording, frames):
     """Byte for byte."""
     codec = BahrsCodec()
     assert b''.join(codec.encode(codec.decode(frame), 2) for frame in frames) == recording

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of when something is due."""
+"""Tests of the schedule of periodic turns."""
 
 from bahrs_driver.protocol.schedule import CATCH_UP, Schedule
 
@@ -14,14 +14,14 @@ def begun(rates, now=0):
     return schedule
 
 
-def test_everything_is_due_at_the_start_in_the_order_given():
-    """But for what is never due."""
+def test_all_kinds_are_due_at_the_start_in_the_given_order():
+    """Except kinds that are never due."""
     schedule = begun({'b': 10.0, 'never': 0.0, 'a': 50.0})
     assert schedule.due(0) == ['b', 'a']
 
 
-def test_each_kind_has_a_grid_of_its_own():
-    """Being late once does not move it."""
+def test_each_kind_has_its_own_grid():
+    """A late turn does not shift it."""
     schedule = begun({'a': 50.0})
     schedule.advance('a', 7 * MS)
     assert schedule.due(19 * MS) == [] and schedule.next_after(7 * MS) == 20 * MS
@@ -30,16 +30,16 @@ def test_each_kind_has_a_grid_of_its_own():
     assert schedule.next_after(33 * MS) == 40 * MS
 
 
-def test_what_waited_longest_is_first():
-    """Whatever the order given."""
+def test_the_longest_overdue_kind_is_first():
+    """Whatever the given order."""
     schedule = begun({'a': 50.0, 'b': 100.0})
     schedule.advance('a', 0)
     schedule.advance('b', 0)
     assert schedule.due(20 * MS) == ['b', 'a']
 
 
-def test_a_few_turns_are_made_up_for_and_others_left_out():
-    """On the grid still."""
+def test_a_few_late_turns_are_made_up_for_and_others_skipped():
+    """The grid does not change."""
     schedule = begun({'a': 50.0})
     schedule.advance('a', 0)
     schedule.advance('a', 20 * MS * CATCH_UP)
@@ -49,7 +49,7 @@ def test_a_few_turns_are_made_up_for_and_others_left_out():
     assert schedule.next_after(0) % (20 * MS) == 0
 
 
-def test_nothing_to_do_is_never_due():
-    """No rates, or none above zero."""
+def test_without_rates_nothing_is_due():
+    """There are none, or none above zero."""
     schedule = begun({'a': 0.0})
     assert schedule.due(10 ** 12) == [] and schedule.next_after(0) is None

@@ -18,7 +18,7 @@ def counted(names):
 
 
 def test_few_names_are_all_shown():
-    """As a Counter would."""
+    """As by a Counter."""
     counter = counted('abracadabra')
     assert counter == Counter('abracadabra') and counter.total() == 11
     assert 'b' in counter and 'x' not in counter and OTHER not in counter
@@ -31,7 +31,7 @@ def test_few_names_are_all_shown():
 @given(st.dictionaries(st.text(max_size=3), st.integers(1, 40), max_size=200),
        st.randoms(use_true_random=False))
 def test_the_most_frequent_names_are_shown_with_their_counts(counts, chance):
-    """And the rest of the sum is OTHER, in whichever order they came."""
+    """OTHER has the rest of the sum, for any order of arrival."""
     counts.pop(OTHER, None)
     names = [name for name, count in counts.items() for _ in range(count)]
     chance.shuffle(names)
@@ -44,7 +44,7 @@ def test_the_most_frequent_names_are_shown_with_their_counts(counts, chance):
 
 
 def test_a_flood_of_names_does_not_grow_it():
-    """Nor does it hide a name that is frequent, from the start or from late on."""
+    """It does not hide a name that is frequent, from the start or later."""
     chance, counter, sizes = random.Random(1), TopCounter(), []
     for turn in range(100_000):
         counter.add(f'0x{chance.getrandbits(24):06X}')
@@ -59,8 +59,8 @@ def test_a_flood_of_names_does_not_grow_it():
     assert counter.total() == sum(counter.values()) == 114_999
 
 
-def test_names_that_were_frequent_make_room_for_what_is_frequent_now():
-    """However many they were."""
+def test_formerly_frequent_names_are_replaced_by_presently_frequent_ones():
+    """However many there were."""
     counter = TopCounter()
     for name in range(TRACKED):
         counter.add(f'past {name}', 300)

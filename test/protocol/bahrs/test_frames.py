@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the BAHRS frame: sizes, checksums, messages in and out, the independent vectors."""
+"""Tests of BAHRS frames: sizes, checksums, both directions, the independent vectors."""
 
 from dataclasses import asdict
 
@@ -43,8 +43,8 @@ VALID_1, VALID_2 = (SAFE, UNAVAILABLE, SAFE, UNAVAILABLE, UNAVAILABLE, SAFE), \
     (SAFE, UNAVAILABLE, UNAVAILABLE, SAFE, SAFE)
 PAGE = bytes(range(32))
 
-# (frame, checksum, message) with the frames made from the document, apart from the first, which
-# the device made.
+# (frame, checksum, message), with frames made from the document, except the first, which
+# the device sent.
 STREAM = [
     (FIRST_FRAME.hex(), 'word', Inertial(
         0, (-0.064301512, -0.04486152, -9.746912912), (-0.0006391684, 0.0003195842, 0.0011185447),
@@ -89,12 +89,12 @@ SERVICE = [
 
 
 def as_frame(data):
-    """Return data as a frame that the codec takes."""
+    """Return data as a frame for the codec."""
     return Frame(0, bytes(data), 'word')
 
 
 def approximately(message):
-    """Return the fields of a message, to be compared with some tolerance."""
+    """Return the fields of a message, for comparison with a tolerance."""
     def loosen(value):
         if isinstance(value, float):
             return pytest.approx(value, rel=1e-9, abs=1e-12)
@@ -127,13 +127,13 @@ def test_frame_size(payload, padded, size):
        st.sampled_from((('word', True), ('byte', True), ('crc32', True), ('byte', False),
                         ('crc32', False))))
 def test_build_frame_makes_the_frame_of_the_document(version, message_type, payload, variant):
-    """In each of its variants, for any content."""
+    """In each variant, for any content."""
     assert build_frame(version, message_type, payload, *variant) == \
         independent.make_frame(version, message_type, payload, *variant)
 
 
 def test_a_word_checksum_without_whole_words_is_refused():
-    """An unpadded service message has none."""
+    """An unpadded service message has no whole words."""
     with pytest.raises(ValueError):
         BahrsCodec().encode(NvmReadRequest(1), 3, 'word', padded=False)
 
@@ -146,7 +146,7 @@ def test_the_version_is_read_from_the_frame(version):
 
 @pytest.mark.parametrize('hexadecimal, checksum, message', STREAM)
 def test_a_stream_frame_decodes(hexadecimal, checksum, message):
-    """To the message, by the checksum."""
+    """The checksum is that of its variant."""
     data = bytes.fromhex(hexadecimal)
     (frame,) = received([data])
     decoded = BahrsCodec().decode(frame)
@@ -156,7 +156,7 @@ def test_a_stream_frame_decodes(hexadecimal, checksum, message):
 
 @pytest.mark.parametrize('hexadecimal, checksum, message', STREAM)
 def test_a_stream_message_encodes(hexadecimal, checksum, message):
-    """To the frame, padded without being asked."""
+    """With padding by default."""
     version = bytes.fromhex(hexadecimal)[2]
     assert BahrsCodec().encode(message, version, checksum).hex() == hexadecimal
 
@@ -169,7 +169,7 @@ def test_a_stream_message_is_encoded_as_the_device_does_by_default():
 
 @pytest.mark.parametrize('hexadecimal, checksum, padded, message', SERVICE)
 def test_a_service_frame_decodes_in_every_variant(hexadecimal, checksum, padded, message):
-    """To the message, by the checksum."""
+    """The checksum is that of its variant."""
     data = bytes.fromhex(hexadecimal)
     (frame,) = received([data])
     assert (frame.data, frame.checksum) == (data, checksum)
@@ -178,7 +178,7 @@ def test_a_service_frame_decodes_in_every_variant(hexadecimal, checksum, padded,
 
 @pytest.mark.parametrize('hexadecimal, checksum, padded, message', SERVICE)
 def test_a_service_message_encodes_in_every_variant(hexadecimal, checksum, padded, message):
-    """As asked."""
+    """As requested."""
     assert BahrsCodec().encode(message, 3, checksum, padded).hex() == hexadecimal
 
 
@@ -189,14 +189,14 @@ def test_a_service_message_is_encoded_as_the_makers_tool_does_by_default(message
     assert BahrsCodec().encode(message, 3).hex() == hexadecimal
 
 
-def test_raw_gives_the_numbers_on_the_wire():
+def test_raw_returns_the_numbers_on_the_wire():
     """Without scales, health as one number."""
     assert BahrsCodec().raw(as_frame(FIRST_FRAME)) == {
         'sequence': 0, 'specific_force': (-43, -30, -6518), 'angular_rate': (-4, 2, 7),
         'health': 0x3F}
 
 
-def test_the_codec_reads_and_writes_a_signed_height_on_request():
+def test_the_codec_decodes_and_encodes_a_signed_height_on_request():
     """0x9000 is above 4,500 m unsigned, below ground signed."""
     data = bytes.fromhex('4e450200020700909cff881378ec60ea19000000536243fe')
     codec = BahrsCodec('int16')
@@ -206,20 +206,20 @@ def test_the_codec_reads_and_writes_a_signed_height_on_request():
 
 
 def test_version_2_has_no_hardware_version():
-    """It came with version 3."""
+    """Version 3 introduced it."""
     with pytest.raises(ValueError, match='hardware_version.*2'):
         BahrsCodec().encode(HardwareVersion(1, (2, 3, 4)), 2)
 
 
 @pytest.mark.parametrize('version', [0, 4, 0xFFFF])
 def test_an_unknown_version_cannot_be_encoded(version):
-    """Its layout is not known."""
+    """Its layout is unknown."""
     with pytest.raises(ValueError, match='inertial'):
         BahrsCodec().encode(STREAM[0][2], version)
 
 
-def test_a_value_out_of_range_is_refused_by_the_name_of_its_field():
-    """The codec passes on what the layout says."""
+def test_the_error_of_a_value_out_of_range_names_its_field():
+    """The codec raises the error of the layout."""
     with pytest.raises(ValueError, match='velocity_down'):
         BahrsCodec().encode(Navigation(0, 0.0, 301.0, 0.0, 0.0, 0.0, (SAFE,) * 5), 2)
 
@@ -230,13 +230,13 @@ def test_a_value_out_of_range_is_refused_by_the_name_of_its_field():
     ('4e45020006', (20,)), ('4e4502000f', (20,)), ('4e4503001f', (24,)),
     ('4e4502001f', ()), ('4e45040001', ()), ('4e45000001', ()), ('4e45020101', ()),
     ('4e450200c0', ()), ('4e450200c1', ()), ('4e45030000', ()), ('', ()), ('4e45', ())])
-def test_a_header_tells_the_sizes_of_its_frame(header, sizes):
-    """None where the type or the version is unknown."""
+def test_a_header_determines_the_sizes_of_its_frame(header, sizes):
+    """There are none if the type or the version is unknown."""
     assert BahrsFormat().sizes(bytes.fromhex(header)) == sizes
 
 
-def test_an_empty_format_has_seen_nothing():
-    """Nor does a forced order count as seen."""
+def test_a_new_format_has_seen_nothing():
+    """A forced order does not count as seen."""
     for order in ('auto', 'word', 'byte'):
         frame_format = BahrsFormat(order)
         assert (frame_format.order_seen, frame_format.version_seen) == (None, None)
@@ -253,29 +253,29 @@ def test_the_order_and_version_of_the_latest_stream_frame_are_seen(order, versio
     assert (frame_format.order_seen, frame_format.version_seen) == (order, version)
 
 
-def test_service_frames_do_not_tell_the_order_of_the_stream():
+def test_service_frames_do_not_change_the_order_of_the_stream():
     """The maker's tool and the document disagree about them."""
     frame_format = BahrsFormat()
     received([bytes.fromhex(case[0]) for case in SERVICE], frame_format)
     assert (frame_format.order_seen, frame_format.version_seen) == (None, None)
 
 
-def test_a_frame_that_fails_changes_nothing_that_was_seen():
-    """Only what passes counts."""
+def test_a_rejected_frame_changes_nothing_that_was_seen():
+    """Only accepted frames count."""
     frame_format = BahrsFormat()
     received([FIRST_FRAME, independent.make_frame(3, 0x06, bytes(9), 'byte')[:-1] + b'?'],
              frame_format)
     assert (frame_format.order_seen, frame_format.version_seen) == ('word', 2)
 
 
-def test_a_stream_frame_may_not_carry_the_ordinary_crc():
-    """It is for service frames alone."""
+def test_a_stream_frame_with_the_ordinary_crc_is_rejected():
+    """Only service frames have it."""
     assert received([independent.make_frame(2, 0x01, bytes(14), 'crc32')]) == []
 
 
 @pytest.mark.parametrize('size', range(13))
 def test_a_header_without_a_checksum_is_no_unknown_frame(size):
-    """Nor are zeros."""
+    """Neither are zeros."""
     assert BahrsFormat().name_unknown((b'NE\x02\x00\xC0' + bytes(8))[:size]) is None
 
 
@@ -288,7 +288,7 @@ def test_a_checksum_without_a_whole_header_is_no_unknown_frame(body, checksum):
 
 
 def test_an_unknown_frame_may_be_empty():
-    """As the requests to enter and leave diagnostics are."""
+    """Requests to enter and leave diagnostics mode are empty, too."""
     frame = independent.make_frame(3, 0xF7, b'', 'crc32', padded=False)
     assert BahrsFormat().name_unknown(frame) == '0xF7'
 
@@ -299,7 +299,7 @@ def test_an_unknown_frame_may_be_empty():
 @pytest.mark.parametrize('variant', [
     ('word', True), ('byte', True), ('crc32', True), ('byte', False), ('crc32', False)])
 def test_an_intact_unknown_frame_is_named(version, message_type, name, variant):
-    """Whatever its checksum and padding."""
+    """With any checksum and padding."""
     frame = independent.make_frame(version, message_type, b'payload', *variant)
     assert BahrsFormat().name_unknown(frame) == name
     assert BahrsFormat().name_unknown(frame[:-1] + bytes([frame[-1] ^ 1])) is None
@@ -308,7 +308,7 @@ def test_an_intact_unknown_frame_is_named(version, message_type, name, variant):
 @independent.properties(300)
 @given(independent.known_frames(), st.booleans())
 def test_any_intact_frame_decodes_and_encodes_back(data, signed):
-    """But for reserved bits of health, which are cleared."""
+    """Except for reserved bits of health, which are cleared."""
     (frame,) = received([data])
     version, message_type = data[2], data[4]
     codec = BahrsCodec('int16' if signed else 'uint16')
@@ -327,7 +327,7 @@ def test_any_intact_frame_decodes_and_encodes_back(data, signed):
 # The shared vectors
 
 def normalised(name, value):
-    """Return a value in the form in which the vectors have it."""
+    """Return a value as the vectors write it."""
     if isinstance(value, bytes):
         return value.hex()
     if name == 'health' and isinstance(value, tuple):
@@ -335,14 +335,14 @@ def normalised(name, value):
     return list(value) if isinstance(value, tuple) else value
 
 
-def test_the_vectors_hold_every_message(vectors):
-    """Else the tests below would show little."""
+def test_the_vectors_contain_every_message(vectors):
+    """The tests below depend on it."""
     assert {vector['message'] for vector in vectors} == {message.NAME for message in MESSAGES}
     assert len(vectors) >= 88
 
 
 def test_vectors_decode_to_their_raw_values(vectors):
-    """Under the names of our fields."""
+    """By the names of the fields."""
     codec = BahrsCodec()
     for vector in vectors:
         raw = {name: normalised(name, value)
@@ -353,7 +353,7 @@ def test_vectors_decode_to_their_raw_values(vectors):
 
 
 def test_vectors_decode_to_their_si_values(vectors):
-    """And to the message that they name."""
+    """And to the named message."""
     codec = BahrsCodec()
     for vector in vectors:
         message = codec.decode(as_frame(bytes.fromhex(vector['hex'])))
@@ -376,7 +376,7 @@ def test_vectors_of_messages_without_si_decode_to_their_raw_values(vectors):
 
 
 def test_vectors_encode_to_their_bytes(vectors):
-    """In the variant that they name."""
+    """In the named variant."""
     codec = BahrsCodec()
     for vector in vectors:
         message = codec.decode(as_frame(bytes.fromhex(vector['hex'])))
@@ -386,7 +386,7 @@ def test_vectors_encode_to_their_bytes(vectors):
 
 
 def test_vectors_are_found_however_they_are_delivered(vectors):
-    """Whole, byte by byte, and amid other bytes."""
+    """Whole, byte by byte, and between other bytes."""
     for vector in vectors:
         data = bytes.fromhex(vector['hex'])
         expected = [(data, vector['crc'])]
@@ -406,8 +406,8 @@ def test_all_vectors_in_one_stream_are_found(vectors):
 
 # The recording
 
-def test_the_recording_tells_of_a_device_at_rest(recording):
-    """So that a wrong scale, sign or order of fields shows."""
+def test_the_recording_is_of_a_device_at_rest(recording):
+    """A wrong scale, sign or order of fields would show."""
     codec = BahrsCodec()
     messages = [codec.decode(frame) for frame in Framer(BahrsFormat()).feed(recording)]
     inertial = [message for message in messages if isinstance(message, Inertial)]

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the BAHRS messages: their place on the wire and their scales, in each version."""
+"""Tests of the BAHRS messages: their layouts and scales in each version."""
 
 from dataclasses import fields
 import math
@@ -34,7 +34,7 @@ ALL_SAFE = (SAFE,) * 6
 LAYOUTS = layouts()
 SIZES = independent.STREAM_PAYLOADS | independent.SERVICE_PAYLOADS
 
-# The scales that the documents give.
+# The scales of the documents.
 FORCE_RATE_2 = [1.495384e-3] * 3 + [1.597921e-4] * 3
 FORCE_RATE_3 = [1.4964e-3] * 3 + [1.5979452e-4] * 3
 HEIGHT, VELOCITY, ANGLE = 0.16784924, 9.155413e-3, 9.587526e-5
@@ -54,16 +54,16 @@ def decode(version, message_type, payload, height_format='uint16'):
 
 
 def test_every_message_has_its_payload_size():
-    """And no version has a message that it should not have."""
+    """No version has more messages than it should."""
     assert {key: layout.size for key, layout in LAYOUTS.items()} == SIZES
 
 
 def test_versions_1_to_3_are_known():
-    """Those of section 6."""
+    """They are those of section 6."""
     assert tuple(VERSIONS) == (1, 2, 3)
 
 
-def test_messages_have_the_names_that_users_see():
+def test_messages_have_the_documented_names():
     """By type, as in the shared vectors."""
     assert {message.TYPE: message.NAME for message in MESSAGES} == {
         0x01: 'inertial', 0x02: 'navigation', 0x03: 'accuracy', 0x04: 'navigation_time',
@@ -89,7 +89,7 @@ def test_signals_are_named_in_the_order_of_the_health_bits():
 @independent.properties(60)
 @given(st.sampled_from((1, 2)), st.binary(min_size=14, max_size=14))
 def test_inertial_of_versions_1_and_2(version, payload):
-    """Scales of the recorded device, one valid bit a signal."""
+    """With the scales of the recorded device and one valid bit per signal."""
     sequence, *raw, health = struct.unpack('<B6hB', payload)
     values = numbers(decode(version, 0x01, payload))
     assert values[0] == sequence
@@ -100,7 +100,7 @@ def test_inertial_of_versions_1_and_2(version, payload):
 @independent.properties(60)
 @given(st.binary(min_size=15, max_size=15))
 def test_inertial_of_version_3(payload):
-    """Scales of the document, two bits a signal."""
+    """With the scales of the document and two bits per signal."""
     sequence, *raw, health = struct.unpack('<B6hH', payload)
     values = numbers(decode(3, 0x01, payload))
     assert values[0] == sequence
@@ -134,8 +134,8 @@ def test_accuracy(version, payload):
 
 
 @pytest.mark.parametrize('zero', [0, 1, 2])
-def test_a_deviation_of_zero_is_none_by_itself(zero):
-    """Each of the three alone."""
+def test_each_deviation_of_zero_is_none(zero):
+    """Independently of the other two."""
     raw = [10, 10, 10]
     raw[zero] = 0
     message = decode(3, 0x03, struct.pack('<BHHHQ', 0, *raw, 0))
@@ -155,12 +155,12 @@ def test_time_messages(version, message_type, kind):
     (0, 0, False), (1, 0, True), (0, 1, True), (255, 2 ** 64 - 1, True)])
 @pytest.mark.parametrize('kind', [NavigationTime, InertialTime])
 def test_a_time_message_is_invalid_when_both_fields_are_zero(kind, reference, time, valid):
-    """Simultaneously, say sections 3.4 and 3.5; its own sequence number does not count."""
+    """As in sections 3.4 and 3.5; its own sequence number does not matter."""
     assert kind(5, reference, time).valid is valid
 
 
 def test_the_two_time_messages_are_never_equal():
-    """They have the same fields and mean different things."""
+    """They have the same fields, but different meanings."""
     assert NavigationTime(1, 2, 3) != InertialTime(1, 2, 3)
 
 
@@ -175,29 +175,29 @@ def test_the_two_time_messages_are_never_equal():
     (3, 0xFF, 'f2ff', Acknowledgement(0xF2, 0xFF)),
 ])
 def test_other_messages(version, message_type, payload, message):
-    """Both ways."""
+    """In both directions."""
     layout = LAYOUTS[version, message_type]
     assert layout.decode(bytes.fromhex(payload)) == message
     assert layout.encode(message).hex() == payload
 
 
 @pytest.mark.parametrize('version', [1, 2, 3])
-def test_a_height_above_4500_m_is_read_unsigned_by_default(version):
-    """0x9000 is 5,187.6 m and not -5,812.6 m."""
+def test_a_height_above_4500_m_is_decoded_as_unsigned_by_default(version):
+    """0x9000 is 5,187.6 m, not -5,812.6 m."""
     payload = bytes.fromhex('00' '0090') + bytes(10)
     assert decode(version, 0x02, payload).pressure_height == pytest.approx(5187.59438336)
 
 
 @pytest.mark.parametrize('version', [1, 2, 3])
-def test_a_height_above_4500_m_is_read_signed_on_request(version):
-    """As the document's table says."""
+def test_a_height_above_4500_m_is_decoded_as_signed_on_request(version):
+    """As in the table of the document."""
     payload = bytes.fromhex('00' '0090') + bytes(10)
     height = decode(version, 0x02, payload, 'int16').pressure_height
     assert height == pytest.approx(-5812.57340928)
 
 
 @pytest.mark.parametrize('version', [1, 2, 3])
-def test_a_height_below_4500_m_is_read_alike_in_both_formats(version):
+def test_a_height_below_4500_m_is_equal_in_both_formats(version):
     """0x2400 is 546.9 m."""
     payload = bytes.fromhex('00' '0024') + bytes(10)
     assert [decode(version, 0x02, payload, height_format).pressure_height
@@ -234,7 +234,7 @@ def unsigned(scale):
 
 
 def health(count, version):
-    """Return a strategy of health values that the version can tell."""
+    """Return a strategy of health values that the version can encode."""
     values = (UNAVAILABLE, SAFE) if version < 3 else (UNAVAILABLE, SAFE, RISK, RESERVED)
     return st.tuples(*[st.sampled_from(values)] * count)
 
@@ -244,7 +244,7 @@ BYTE, TIME = st.integers(0, 255), st.integers(0, 2 ** 64 - 1)
 
 @independent.properties(150)
 @given(st.sampled_from((1, 2, 3)), st.data())
-def test_inertial_comes_back_within_half_a_quantum(version, data):
+def test_inertial_is_decoded_to_within_half_a_quantum(version, data):
     """For any values in range."""
     scales = FORCE_RATE_3 if version == 3 else FORCE_RATE_2
     values = data.draw(st.tuples(*map(signed, scales)))
@@ -258,7 +258,7 @@ def test_inertial_comes_back_within_half_a_quantum(version, data):
 
 @independent.properties(150)
 @given(st.sampled_from((1, 2, 3)), st.sampled_from(('uint16', 'int16')), st.data())
-def test_navigation_comes_back_within_half_a_quantum(version, height_format, data):
+def test_navigation_is_decoded_to_within_half_a_quantum(version, height_format, data):
     """For any values in range, in both height formats."""
     height = data.draw((unsigned if height_format == 'uint16' else signed)(HEIGHT)) - 1000
     others = data.draw(st.tuples(signed(VELOCITY), signed(ANGLE), signed(ANGLE),
@@ -274,8 +274,8 @@ def test_navigation_comes_back_within_half_a_quantum(version, height_format, dat
 @independent.properties(150)
 @given(st.sampled_from((1, 2, 3)), BYTE, TIME,
        st.tuples(*[st.none() | st.floats(0.51 * ANGLE, 65535.49 * ANGLE)] * 3))
-def test_accuracy_comes_back_within_half_a_quantum(version, sequence, time, deviations):
-    """And None comes back as None."""
+def test_accuracy_is_decoded_to_within_half_a_quantum(version, sequence, time, deviations):
+    """None is decoded as None."""
     layout = LAYOUTS[version, 0x03]
     back = layout.decode(layout.encode(Accuracy(sequence, *deviations, time)))
     assert (back.sequence, back.device_time_us) == (sequence, time)
@@ -321,14 +321,14 @@ HEALTH = ALL_SAFE[:5]
     (3, NvmPage(0, bytes(31)), 'data'),
     (3, Acknowledgement(0xF2, -1), 'status'),
 ])
-def test_a_value_out_of_range_is_refused_by_the_name_of_its_field(version, message, name):
-    """Nothing wraps around on the wire."""
+def test_the_error_of_a_value_out_of_range_names_its_field(version, message, name):
+    """Values do not wrap around."""
     with pytest.raises(ValueError, match=f'^{name}: '):
         LAYOUTS[version, message.TYPE].encode(message)
 
 
 def test_a_height_above_4500_m_does_not_fit_an_int16():
-    """It would come out below ground."""
+    """It would be decoded as below ground."""
     with pytest.raises(ValueError, match='^pressure_height: '):
         layouts('int16')[2, 0x02].encode(Navigation(0, 5000.0, 0.0, 0.0, 0.0, 0.0, HEALTH))
 
@@ -336,7 +336,7 @@ def test_a_height_above_4500_m_does_not_fit_an_int16():
 @independent.properties(300)
 @given(st.sampled_from(sorted(SIZES.items())), st.data())
 def test_any_payload_encodes_back_to_itself(case, data):
-    """But for the reserved bits of health, which are cleared."""
+    """Except for the reserved bits of health, which are cleared."""
     (version, message_type), size = case
     payload = bytearray(data.draw(st.binary(min_size=size, max_size=size)))
     if message_type in (0x01, 0x02):

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the memory's image."""
+"""Tests of the image of the memory."""
 
 import struct
 import zlib
@@ -19,7 +19,7 @@ START = {'installation angles': 12, 'magnetometer': 28, 'CAN': 80 + 516}
 
 
 def test_layout_is_that_of_the_device():
-    """Byte by byte, made here without the code under test."""
+    """Byte by byte, built without the code under test."""
     image = build(*BLOCKS)
     version = struct.pack('<2I', 1, 1)
     assert image[:12] == version + struct.pack('<I', zlib.crc32(version))
@@ -31,8 +31,8 @@ def test_layout_is_that_of_the_device():
     assert image[656:] == struct.pack('<I', zlib.crc32(can)) and len(image) == 660
 
 
-def test_an_image_is_read_as_it_was_built():
-    """All blocks, all CRCs good; the assertions have none."""
+def test_an_image_is_parsed_into_its_blocks():
+    """All CRCs are correct; the assertions have none."""
     found = list(parse(build(*BLOCKS).ljust(8000, b'\xff')))
     assert [item.block for item in found] == list(BLOCKS)
     assert [item.intact for item in found] == [True, True, True, None, True]
@@ -40,7 +40,7 @@ def test_an_image_is_read_as_it_was_built():
 
 @pytest.mark.parametrize('name', START)
 def test_a_damaged_block_is_named(name):
-    """And the others are not suspected."""
+    """The others are intact."""
     image = bytearray(build(*BLOCKS))
     image[START[name] + 2] ^= 1
     damaged = [item.block.NAME for item in parse(image) if item.intact is False]
@@ -48,14 +48,14 @@ def test_a_damaged_block_is_named(name):
 
 
 @pytest.mark.parametrize('size', [0, 11, 100, 659])
-def test_too_few_bytes(size):
+def test_an_image_that_is_too_short_is_refused(size):
     """The error names the incomplete block."""
     with pytest.raises(ValueError, match='bytes are too few: the block .* is incomplete'):
         list(parse(build(*BLOCKS)[:size]))
 
 
-def test_an_image_of_the_devices_maker():
-    """As its own tools wrote it."""
+def test_an_image_of_the_maker_is_parsed():
+    """Its tool wrote the layout."""
     version, installation, magnetometer, assertions, can = parse(
         shared_file('data/nvm_image_example_1_1.bin').read_bytes())
     assert version == (FormatVersion(1, 1), True)

@@ -42,10 +42,10 @@ def ns(seconds):
 
 
 class Bench:
-    """A device, a line with faults, and a host with a session, moved on in small steps."""
+    """A device, a line with faults, and a session, simulated in small steps."""
 
     def __init__(self, pages=range(250), error_rate=0.0, **behavior):
-        """Set up a device that is on since a second; error_rate is per byte."""
+        """Create a device that was switched on a second ago; error_rate is per byte."""
         self.codec = BahrsCodec()
         self.device = DiagnosticsMode(ServiceBehavior(image=IMAGE, **behavior))
         self.now = 1.0
@@ -54,11 +54,11 @@ class Bench:
         self.faults = Faults(5, {'bit_flip': error_rate})
         self.sent = []              # requests, by type
         self.silent = False
-        self._due = []              # answers under way
+        self._due = []              # answers on the line
         self._stream_due = self.now
 
     def step(self):
-        """Let a millisecond pass."""
+        """Simulate a millisecond."""
         self.now += STEP
         data = self.session.send(ns(self.now))
         if data:
@@ -83,7 +83,7 @@ class Bench:
             yield STREAM
 
     def run(self, seconds=60.0, until=lambda bench: False):
-        """Go on until the session is finished, or something else is so."""
+        """Simulate until the session is finished, or a condition holds."""
         end = self.now + seconds
         while self.session.state is not SessionState.FINISHED and not until(self):
             assert self.now < end, f'still {self.session.state} after {seconds} s'
@@ -92,15 +92,15 @@ class Bench:
 
     @property
     def dump(self):
-        """All pages that were read, one behind the other."""
+        """Return all pages that were read, concatenated."""
         return b''.join(self.session.pages[page] for page in sorted(self.session.pages))
 
 
 @pytest.mark.parametrize('window', ['always', 'power-on'])
 @pytest.mark.parametrize('padded', [False, True])
 @pytest.mark.parametrize('checksum', ['crc32', 'byte'])
-def test_a_dump_in_every_variant(checksum, padded, window):
-    """Equal to the image; afterwards the device streams."""
+def test_a_dump_succeeds_in_every_variant(checksum, padded, window):
+    """It equals the image; afterwards the device streams."""
     bench = Bench(checksum=checksum, padded=padded, window=window)
     if window == 'power-on':
         bench.run(3, until=lambda bench: bench.now > 3)
@@ -113,15 +113,15 @@ def test_a_dump_in_every_variant(checksum, padded, window):
 
 
 class Restless(DiagnosticsMode):
-    """A device that agrees to diagnostics mode, and goes on streaming."""
+    """A device that acknowledges diagnostics mode, and continues to stream."""
 
     def active(self, time):
-        """Never stay in it."""
+        """Return False: it does not stay in the mode."""
         return False
 
 
-def test_a_device_that_agrees_and_goes_on_streaming():
-    """It is asked again a few times, and then left alone."""
+def test_a_device_that_acknowledges_and_continues_to_stream_is_given_up():
+    """It is requested to enter a few times."""
     bench = Bench()
     bench.device = Restless(ServiceBehavior(image=IMAGE))
     session = bench.run(10)
@@ -158,8 +158,8 @@ def test_every_session_ends_in_time(answers, pages, enter_timeout):
     assert session.due(now) is None and session.send(10 * limit) == b''
 
 
-def test_one_page():
-    """And no other is asked for."""
+def test_one_page_is_read():
+    """No other page is requested."""
     bench = Bench([17])
     assert bench.run().pages == {17: IMAGE[17 * 32:18 * 32]}
     assert bench.sent.count(NvmReadRequest.TYPE) == 1
@@ -167,15 +167,15 @@ def test_one_page():
 
 @pytest.mark.parametrize('checksum', ['crc32', 'byte'])
 def test_a_dump_over_a_line_that_damages_every_hundredth_byte(checksum):
-    """Answers and requests are repeated until all is there."""
+    """Requests are repeated until all pages are complete."""
     bench = Bench(error_rate=0.01, checksum=checksum)
     session = bench.run(300)
     assert not session.error and bench.dump == IMAGE
     assert bench.sent.count(NvmReadRequest.TYPE) > 300
 
 
-def test_a_page_that_cannot_be_read_is_named():
-    """The session fails, and the device is told to leave."""
+def test_the_error_names_a_page_that_cannot_be_read():
+    """The session fails, and requests the device to leave."""
     bench = Bench(error_pages=frozenset({3}))
     session = bench.run()
     assert session.error == 'the device cannot read page 3 (status 255)'
@@ -183,8 +183,8 @@ def test_a_page_that_cannot_be_read_is_named():
     assert not bench.device.active(bench.now)
 
 
-def test_power_cycle_in_the_middle():
-    """The device streams again; it is asked to enter again, and nothing is read twice."""
+def test_a_power_cycle_while_reading_does_not_end_the_session():
+    """The device is requested to enter again, and no page is read twice."""
     bench = Bench()
     bench.run(until=lambda bench: len(bench.session.pages) == 100)
     bench.device.restart(bench.now)
@@ -193,8 +193,8 @@ def test_power_cycle_in_the_middle():
     assert bench.sent.count(NvmReadRequest.TYPE) < 260
 
 
-def test_power_cycle_of_a_device_that_lets_in_late():
-    """The user is told to switch it off and on, and whoever does so gets the rest."""
+def test_a_device_that_accepts_after_power_on_only_can_be_power_cycled():
+    """The remaining pages are read if the user switches it off and on."""
     bench = Bench(window='power-on')
     bench.device.restart(bench.now)
     bench.run(until=lambda bench: len(bench.session.pages) == 100)
@@ -205,32 +205,32 @@ def test_power_cycle_of_a_device_that_lets_in_late():
     assert not session.error and bench.dump == IMAGE
 
 
-def test_a_device_that_never_lets_in():
-    """After the time-out the message says what to do, and the stream is left alone."""
+def test_a_device_that_never_accepts_ends_the_session():
+    """The error has a remedy, and the stream continues."""
     bench = Bench(window='power-on')
     session = bench.run(40)
     assert 'within 30 s' in session.error and 'switch the device off and on' in session.error
     assert not session.pages
 
 
-def test_a_device_that_is_silent():
-    """Nothing answers, not even to leaving."""
+def test_a_silent_device_ends_the_session():
+    """It does not answer the request to leave either."""
     bench = Bench()
     bench.silent = True
     session = bench.run(40)
     assert 'did not enter diagnostics mode' in session.error
 
 
-def test_a_device_that_falls_silent():
-    """The page that never came is named; the device will leave by itself."""
+def test_the_error_names_the_page_at_which_a_device_falls_silent():
+    """The device leaves the mode by itself later."""
     bench = Bench()
     bench.run(until=lambda bench: len(bench.session.pages) == 5)
     bench.silent = True
     assert bench.run(10).error == 'page 5 was requested 40 times and never arrived'
 
 
-def test_cancelled():
-    """The device is told to leave."""
+def test_a_cancelled_session_leaves():
+    """The device is requested to leave."""
     bench = Bench()
     bench.run(until=lambda bench: len(bench.session.pages) == 5)
     bench.session.cancel('cancelled', ns(bench.now))
@@ -239,8 +239,8 @@ def test_cancelled():
     assert ExitDiagnostics.TYPE in bench.sent
 
 
-def test_cancelled_while_entering():
-    """The device may just have agreed: it is told to leave all the same."""
+def test_a_session_cancelled_while_entering_leaves():
+    """The device may just have entered."""
     bench = Bench()
     bench.step()
     bench.step()
@@ -250,7 +250,7 @@ def test_cancelled_while_entering():
 
 
 def session_that_reads(*pages):
-    """Return a session that has entered and asked for its first page at the time 0."""
+    """Return a session that has entered and requested its first page at the time 0."""
     session = NvmSession(pages, 0)
     session.send(0)
     session.receive(Acknowledgement(EnterDiagnostics.TYPE, 0), 'crc32', 0)
@@ -259,12 +259,12 @@ def session_that_reads(*pages):
 
 
 def page(number):
-    """Return a page whose bytes are its number."""
+    """Return a page filled with its number."""
     return NvmPage(number, bytes([number]) * 32)
 
 
-def test_the_wrong_page_is_no_answer():
-    """Nor is a page that is there already: both are answers to older requests."""
+def test_another_page_is_ignored():
+    """So is a page that was read before: both are answers to older requests."""
     session = session_that_reads(4, 5)
     session.receive(page(5), 'crc32', ns(0.01))
     assert not session.pages
@@ -276,8 +276,8 @@ def test_the_wrong_page_is_no_answer():
     assert session.state is SessionState.LEAVING
 
 
-def test_a_refusal_is_asked_about_again_before_it_is_believed():
-    """It may be the answer to a request that was made twice."""
+def test_a_refused_page_is_requested_again_before_the_session_fails():
+    """The refusal may answer a repeated request."""
     session = session_that_reads(4, 5)
     for _ in range(2):
         session.receive(Acknowledgement(NvmReadRequest.TYPE, 255), 'crc32', ns(0.01))
@@ -289,54 +289,54 @@ def test_a_refusal_is_asked_about_again_before_it_is_believed():
     assert session.error == 'the device cannot read page 5 (status 255)'
 
 
-def test_stream_that_is_still_under_way_is_no_restart():
-    """A few messages that were sent before the device agreed."""
+def test_stream_messages_on_the_line_are_no_restart():
+    """The device sent them before it entered the mode."""
     session = session_that_reads(4)
     for _ in range(10):
         session.receive(STREAM, 'word', ns(0.01))
     assert session.state is SessionState.READING
 
 
-def test_refused_entry():
-    """A status other than 0."""
+def test_a_refused_entry_ends_the_session():
+    """Its status is not 0."""
     session = NvmSession([0], 0)
     session.send(0)
     session.receive(Acknowledgement(EnterDiagnostics.TYPE, 7), 'crc32', 0)
     assert session.error == 'the device refuses diagnostics mode (status 7)'
 
 
-def test_requests_carry_the_version_of_the_device_and_the_variant_asked_for():
-    """As the user forces it."""
+def test_requests_have_the_version_of_the_device_and_the_forced_variant():
+    """They are repeated in the same variant."""
     session = NvmSession([0], 0, version=2, service_frames='mpeg2')
     assert session.send(0) == BahrsCodec().encode(EnterDiagnostics(), 2, 'byte', False)
     assert session.send(ns(0.01)) == b'' and session.due(ns(0.01)) == ns(0.05)
     assert session.send(ns(0.06)) == BahrsCodec().encode(EnterDiagnostics(), 2, 'byte', False)
 
 
-def test_automatic_entering_tries_the_makers_variant_first():
-    """Then that of the document."""
+def test_the_variant_of_the_maker_is_tried_first():
+    """The next one is that of the document."""
     session = NvmSession([0], 0)
     assert session.send(0).hex() == '4e450300f07ff5d032'
     assert session.send(ns(0.1)).hex() == '4e450300f0000000b7e85e7b'
 
 
 @pytest.mark.parametrize('pages', [[], [250], [-1], [0, 300]])
-def test_pages_that_do_not_exist(pages):
-    """A caller's mistake."""
+def test_pages_out_of_range_are_refused(pages):
+    """They are a mistake of the caller."""
     with pytest.raises(ValueError, match='NVM pages are 0 to 249'):
         NvmSession(pages, 0)
 
 
-def test_progress():
-    """From nothing to all."""
+def test_progress_is_the_share_of_pages():
+    """From 0 to 1."""
     session = session_that_reads(4, 5)
     assert session.progress == 0
     session.receive(page(4), 'crc32', ns(0.02))
     assert session.progress == 0.5
 
 
-def test_abandoned():
-    """With nobody left to talk to, it is over at once."""
+def test_an_abandoned_session_ends_at_once():
+    """The device cannot be reached any more."""
     session = session_that_reads(4)
     session.abandon('the port is gone')
     assert session.state is SessionState.FINISHED and session.error == 'the port is gone'

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the Titan-M's messages and frames: independent vectors, both ways; any stream."""
+"""Tests of Titan-M messages and frames: vectors in both directions, and any stream."""
 
 import json
 
@@ -27,19 +27,19 @@ def vectors():
 
 
 def plain(value):
-    """Return a field as the vectors have it."""
+    """Return a field as the vectors write it."""
     return list(value) if isinstance(value, tuple) else value
 
 
-def test_requests_are_those_of_the_document():
+def test_requests_equal_those_of_the_document():
     """Byte for byte."""
     assert build_request(StateRequest).hex(' ') == '33 47 53 54 02 00 01 23'
     assert build_request(GpsRequest).hex(' ') == '33 47 47 50 02 00 01 13'
     assert build_request(SensorsRequest).hex(' ') == '33 47 53 45 02 00 01 14'
 
 
-def test_all_vectors_of_requests():
-    """Both orders of the checksum, found and made."""
+def test_request_vectors_in_both_directions():
+    """With both orders of the checksum."""
     seen = 0
     for vector in vectors():
         if vector['message'].endswith('_request'):
@@ -53,8 +53,8 @@ def test_all_vectors_of_requests():
 
 
 @pytest.mark.parametrize('size', [None, 1])
-def test_all_vectors_of_answers(size):
-    """Both orders of checksum and payload, both LEN, all fields; whole and byte by byte."""
+def test_answer_vectors_in_both_directions(size):
+    """With both orders of checksum and payload, both LEN, whole and byte by byte."""
     seen = set()
     for vector in vectors():
         if vector['message'].endswith('_request'):
@@ -73,8 +73,8 @@ def test_all_vectors_of_answers(size):
     assert len(seen) == 16
 
 
-def test_all_vectors_of_one_checksum_order_in_one_stream():
-    """With noise between them, and bytes behind them."""
+def test_vectors_of_one_checksum_order_are_found_in_one_stream():
+    """With noise between them, and bytes after them."""
     for order in ORDERS:
         data = [bytes.fromhex(vector['hex']) for vector in vectors()
                 if vector['checksum_order'] == order and 'request' not in vector['message']]
@@ -86,13 +86,13 @@ def test_all_vectors_of_one_checksum_order_in_one_stream():
 messages = st.sampled_from([STATE, GPS, SENSORS])
 frames = st.builds(build_answer, messages, st.integers(0, 255),
                    st.sampled_from(['little', 'big']))
-# Noise that no frame can begin in.
+# Noise without the first byte of a marker.
 noise = st.binary(max_size=20).map(lambda data: data.replace(b'1', b'0'))
 
 
 @given(st.lists(st.tuples(noise, frames), max_size=8), st.lists(st.integers(1, 90), max_size=9))
 def test_every_intact_frame_is_found_however_the_stream_is_cut(parts, cuts):
-    """Whatever comes in between."""
+    """Whatever is between them."""
     stream = b''.join(rubbish + frame for rubbish, frame in parts)
     framer, found, start = Framer(AnswerFormat()), [], 0
     for cut in [*cuts, len(stream)]:
@@ -105,15 +105,15 @@ def test_every_intact_frame_is_found_however_the_stream_is_cut(parts, cuts):
 
 
 @given(st.binary(max_size=400))
-def test_any_bytes_are_taken(data):
-    """Nothing raises, and no byte is lost count of."""
+def test_no_bytes_raise_and_all_are_counted(data):
+    """As frames or skipped bytes."""
     _, framer = frames_in(data)
     assert framer.counters.frame_bytes + framer.counters.skipped_bytes == len(data)
 
 
 @given(messages, st.integers(0, 51), st.integers(0, 7))
 def test_one_wrong_bit_costs_one_frame(message, place, bit):
-    """The next is found behind it, whatever the damaged one says of its length."""
+    """The next one is found, whatever the length in the damaged one is."""
     damaged = bytearray(build_answer(message))
     damaged[place] ^= 1 << bit
     good = build_answer(STATE, 7)
@@ -121,28 +121,28 @@ def test_one_wrong_bit_costs_one_frame(message, place, bit):
     assert [frame.data for frame in found] == [good, good]
 
 
-def test_no_answer_is_taken_for_another_of_the_same_length():
-    """A sensor answer whose first 44 bytes look like a GPS answer, checksum and all."""
+def test_answers_with_the_same_len_are_distinguished():
+    """A sensor answer may contain a GPS answer with a correct checksum."""
     body = bytearray(build_answer(SENSORS, length=0x2E))
     body[50:52] = (sum(body[:50]) & 0xFFFF).to_bytes(2, 'big')
     data = bytes(body[:-2]) + (sum(body[:-2]) & 0xFFFF).to_bytes(2, 'big')
     (frame,) = Framer(AnswerFormat()).feed(data + build_answer(STATE)[:9], [Sensors, State])
     assert frame.data == data
-    # A recording tells nothing of requests: but the zone would be 192, the hemisphere 241.
+    # The requests of a recording are unknown, but the zone would be 192, the hemisphere 241.
     assert data[46] > 60
     (frame,), _ = frames_in(data)
     assert frame.data == data
 
 
-def test_a_device_with_the_right_length_leaves_the_other_to_gps():
-    """Then any zone is good."""
+def test_len_0x2e_is_a_gps_answer_if_the_device_uses_0x3a():
+    """Even if its zone is invalid."""
     nowhere = build_answer(Gps(*[0.0] * 4, (0.0,) * 3, *[0.0] * 3, 99, True))
     found, framer = frames_in(build_answer(SENSORS) + nowhere)
     assert [answer_of(frame).kind for frame in found] == [Sensors, Gps]
 
 
-def test_one_order_of_checksums_is_enough():
-    """After a few frames in a row the other is no more taken; the same bytes twice tell none."""
+def test_the_order_of_checksums_is_locked():
+    """After a few consecutive frames; a checksum of two equal bytes does not show its order."""
     frame_format = AnswerFormat()
     little = build_answer(STATE, checksum_order='little')
     big = build_answer(STATE, checksum_order='big')
@@ -153,7 +153,7 @@ def test_one_order_of_checksums_is_enough():
     assert len(framer.feed(big + little)) == 1 and frame_format.checksum_order.locked
     assert not framer.feed(little * (ENOUGH - 2))
     assert len(framer.feed(big)) == 1
-    # Nothing but the other one, and it is another device.
+    # Another device is on the line if only the other order arrives.
     assert not framer.feed(little * (ENOUGH - 1))
     assert len(framer.feed(little * 9)) == 9 and frame_format.checksum_order.seen == 'little'
     frame_format.reset()
@@ -162,13 +162,13 @@ def test_one_order_of_checksums_is_enough():
     assert not forced.feed(big * 20) and len(forced.feed(little + little)) == 2
 
 
-def test_a_value_that_does_not_fit_is_told():
-    """By field and unit."""
+def test_the_error_of_a_value_that_does_not_fit_names_field_and_unit():
+    """When an answer is encoded."""
     with pytest.raises(ValueError, match='northing: 1000000000.0 m does not fit its field'):
         build_answer(Gps(0.0, 0.0, 1e9, 0.0, (0.0,) * 3, 0.0, 0.0, 0.0, 1, True))
 
 
 def test_names_and_commands():
-    """Every answer has a request."""
+    """Every answer has its request."""
     assert {kind.ANSWER.NAME + '_request' for kind in REQUESTS} == {
         kind.NAME for kind in REQUESTS}

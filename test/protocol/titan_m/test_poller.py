@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of asking and of matching answers, with literal times."""
+"""Tests of polling, with literal times."""
 
 import heapq
 import random
@@ -38,14 +38,14 @@ def asked(data):
 
 
 def answer(poller, kind, now, identity=0):
-    """Hand in an answer; return when it was asked for, None if nobody waits for it."""
+    """Match an answer; return the time of its request, None if it is unexpected."""
     taken = poller.match(answer_of(Frame(0, build_answer(OF[kind], identity), 'big')), now)
     assert taken.wanted == (taken.NAME == kind.NAME)
     return taken.asked if taken.wanted else None
 
 
-def test_nothing_is_asked_of_a_line_that_is_closed():
-    """Before it is opened, and after it is lost."""
+def test_nothing_is_sent_on_a_closed_line():
+    """Neither before it is opened nor after it is lost."""
     poller = Poller(ALL, AnswerFormat())
     assert poller.due(0) is None and poller.send(0) == b''
     poller.start(BYTE)
@@ -55,8 +55,8 @@ def test_nothing_is_asked_of_a_line_that_is_closed():
     assert poller.unanswered.total() == 0
 
 
-def test_one_after_the_other():
-    """The next is asked for when an answer has come, and each at its own time."""
+def test_requests_are_sent_one_after_another():
+    """The next one after an answer, and each kind at its own rate."""
     poller = begun(ALL)
     assert asked(poller.send(0)) == (SensorsRequest, 0)
     assert poller.send(1 * MS) == b'' and poller.expected() == [Sensors]
@@ -71,19 +71,19 @@ def test_one_after_the_other():
     assert poller.answered.total() == 3 and poller.unanswered.total() == 0
 
 
-def test_an_answer_of_another_kind_is_nobodys():
-    """It leaves the one that is waited for alone, and is counted."""
+def test_an_answer_of_another_kind_is_unexpected():
+    """It is counted, and the request stays outstanding."""
     poller = begun({StateRequest: 50.0})
     poller.send(0)
     assert answer(poller, Sensors, 6 * MS) is None
     assert answer(poller, State, 7 * MS) == 0
-    assert answer(poller, State, 8 * MS) is None        # doubled
+    assert answer(poller, State, 8 * MS) is None        # the second one
     assert dict(poller.unexpected) == {SensorsRequest: 1, StateRequest: 1}
     assert poller.answered == {StateRequest: 1}
 
 
-def test_no_answer_is_asked_for_again_and_then_given_up():
-    """Each attempt is unanswered; what is lost is the turn."""
+def test_an_unanswered_request_is_repeated_and_then_lost():
+    """Each attempt counts as unanswered, and the turn as lost."""
     poller = begun({StateRequest: 1.0}, retries=1)
     poller.send(0)
     deadline = poller.due(0)
@@ -98,8 +98,8 @@ def test_no_answer_is_asked_for_again_and_then_given_up():
     assert poller.lost_by_name == {'state': 1, 'gps': 0, 'sensors': 0}
 
 
-def test_how_long_to_wait_is_learnt():
-    """Twice the slowest of the last answers, and a margin."""
+def test_the_time_out_is_adaptive():
+    """It is twice the slowest of the latest answers, and a margin."""
     poller = begun({StateRequest: 50.0})
     for turn in range(4):
         now = 20 * MS * turn
@@ -110,8 +110,8 @@ def test_how_long_to_wait_is_learnt():
     assert poller.due(80 * MS) == 80 * MS + 64 * BYTE + MARGIN + 6 * MS
 
 
-def test_an_answer_that_comes_late_teaches_patience():
-    """It is nobody's, but tells how long to wait for the next."""
+def test_a_late_answer_raises_the_time_out():
+    """Although it is unexpected."""
     poller = begun({StateRequest: 1.0}, timeout=50 * MS, retries=0)
     for turn in range(4):
         poller.send(1000 * MS * turn)
@@ -121,11 +121,11 @@ def test_an_answer_that_comes_late_teaches_patience():
     assert poller.send(late) == b''
     assert answer(poller, State, late + 5 * MS) is None
     poller.send(5000 * MS)
-    assert poller.due(5000 * MS) == 5000 * MS + 64 * BYTE + 50 * MS     # as long as may be
+    assert poller.due(5000 * MS) == 5000 * MS + 64 * BYTE + 50 * MS     # the upper bound
 
 
-def given_up(delay):
-    """Return a poller that has had answers this long after requests, and asks again; and when."""
+def after_time_out(delay):
+    """Return a poller whose answers took a time, with a repeated request, and its time."""
     poller = begun({StateRequest: 1.0}, timeout=50 * MS)
     for turn in range(4):
         poller.send(1000 * MS * turn)
@@ -136,22 +136,22 @@ def given_up(delay):
     return poller, again
 
 
-def test_a_late_answer_is_not_taken_for_that_of_the_repeated_request():
-    """The line cannot have carried it since then; the real one comes after it."""
-    poller, again = given_up(64 * BYTE + MS)
+def test_a_late_answer_is_not_matched_with_the_repeated_request():
+    """The line cannot have carried it since; the real one follows."""
+    poller, again = after_time_out(64 * BYTE + MS)
     assert answer(poller, State, again + 2 * MS) is None
     assert poller.expected() == [State] and poller.unexpected == {StateRequest: 1}
     assert answer(poller, State, again + 64 * BYTE + MS) == again
 
 
-def test_a_line_that_is_faster_than_its_rate_says_is_believed():
-    """What comes at once may be the answer to what was just asked."""
-    poller, again = given_up(2 * MS)
+def test_a_line_faster_than_its_nominal_rate_is_accepted():
+    """An immediate answer may belong to the latest request."""
+    poller, again = after_time_out(2 * MS)
     assert answer(poller, State, again + 2 * MS) == again
 
 
-def test_the_other_byte_order_is_tried_when_nothing_answers():
-    """And stays when something does."""
+def test_the_other_byte_order_is_tried_without_answers():
+    """It is kept when an answer arrives."""
     poller = begun({StateRequest: 10.0}, retries=0, timeout=20 * MS)
     frames = []
     now = 0
@@ -165,8 +165,8 @@ def test_the_other_byte_order_is_tried_when_nothing_answers():
     assert frames == [big] * UNANSWERED + [little] * UNANSWERED
 
 
-def test_a_forced_byte_order_stays():
-    """However long nothing answers."""
+def test_a_forced_byte_order_is_kept():
+    """However long there are no answers."""
     poller = begun({StateRequest: 10.0}, retries=0, timeout=20 * MS, checksum_order='little')
     now = 0
     for _ in range(40):
@@ -175,13 +175,13 @@ def test_a_forced_byte_order_stays():
         now = poller.due(now)
 
 
-def test_pipelined_one_of_each_kind_is_under_way():
-    """As far as their answers differ in length."""
+def test_pipelined_one_request_of_each_kind_is_outstanding():
+    """If their answers differ in length."""
     frame_format = AnswerFormat()
     poller = Poller(ALL, frame_format, PollOptions(pipelined=True))
     poller.start(BYTE)
     assert [asked(poller.send(0))[0] for _ in range(2)] == [SensorsRequest, StateRequest]
-    assert poller.send(0) == b''        # the GPS one could be taken for that of the sensors
+    assert poller.send(0) == b''        # its answer could be confused with that of the sensors
     assert answer(poller, Sensors, 8 * MS) == 0
     assert asked(poller.send(8 * MS))[0] is GpsRequest
     poller.start(BYTE)
@@ -190,7 +190,7 @@ def test_pipelined_one_of_each_kind_is_under_way():
         SensorsRequest, StateRequest, GpsRequest]
 
 
-def test_pipelined_no_more_is_asked_for_than_the_line_carries():
+def test_pipelined_requests_do_not_exceed_the_line():
     """At 9600 baud an answer takes 58 ms."""
     byte_time = 10 ** 10 // 9600
     poller = begun({StateRequest: 1000.0, SensorsRequest: 1000.0}, byte_time, pipelined=True)
@@ -205,12 +205,12 @@ def test_pipelined_no_more_is_asked_for_than_the_line_carries():
         assert len(poller.expected()) <= 2
     carried = sum(count * sizes[kind.ANSWER] for kind, count in poller.requests.items())
     assert carried * byte_time <= now + 3 * 64 * byte_time
-    assert min(poller.answered.values()) > 60           # both have their turns
+    assert min(poller.answered.values()) > 60           # both kinds have turns
     assert poller.skipped > 1000
 
 
-def test_ids_that_come_back_tell_late_answers():
-    """Counted ids: an answer to what was given up is nobody's, though its kind is waited for."""
+def test_returned_ids_distinguish_late_answers():
+    """An answer to a request that timed out is unexpected, although its kind is outstanding."""
     poller = begun({StateRequest: 10.0}, counted_ids=True, retries=0)
     now = 0
     for turn in range(ID_VOTES):
@@ -226,8 +226,8 @@ def test_ids_that_come_back_tell_late_answers():
     assert answer(poller, State, now + 207 * MS, identity) == now + 200 * MS
 
 
-def test_ids_that_do_not_come_back_are_of_no_account():
-    """A device that always says 0."""
+def test_ids_that_are_not_returned_are_ignored():
+    """A device may always return 0."""
     poller = begun({StateRequest: 10.0}, counted_ids=True)
     for turn in range(300):
         now = 100 * MS * turn
@@ -237,8 +237,8 @@ def test_ids_that_do_not_come_back_are_of_no_account():
 
 
 @pytest.mark.parametrize('kind', [State, Gps, Sensors])
-def test_a_message_tells_what_it_is(kind):
-    """Name and payload, without a poller."""
+def test_an_answer_has_name_id_and_payload(kind):
+    """Without a poller."""
     data = build_answer(OF[kind], 7)
     plain = answer_of(Frame(0, data, 'big'))
     assert (plain.NAME, plain.message_id, plain.payload) == (kind.NAME, 7, data[6:-2])
@@ -246,9 +246,8 @@ def test_a_message_tells_what_it_is(kind):
 
 @given(st.booleans(), st.booleans(), st.integers(0, 2), st.integers(0, 10 ** 6),
        st.floats(0, 0.5), st.floats(0, 0.2))
-def test_whatever_the_line_does_the_books_are_right(pipelined, counted, retries, seed, lost,
-                                                    twice):
-    """Answers late, lost and doubled: nothing hangs, and each request has one end."""
+def test_the_counters_are_consistent_on_any_line(pipelined, counted, retries, seed, lost, twice):
+    """Answers are late, lost and doubled; nothing hangs, and each request is counted once."""
     chance = random.Random(seed)
     poller = begun(ALL, pipelined=pipelined, counted_ids=counted, retries=retries)
     now, coming, steps = 0, [], 0
