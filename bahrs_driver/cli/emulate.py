@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""`bahrs emulate`: a sensor made of software, on a port or into a file."""
+"""`bahrs emulate`: simulate a device on a pseudo-terminal or into a file."""
 
 import argparse
 from collections.abc import Callable, Iterator
@@ -45,8 +45,8 @@ _EXAMPLES = """examples:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
-        'Make a serial port (a pseudo-terminal), print its path, and behave on it as a sensor in\n'
-        'motion does. The same seed and options give the same bytes.')
+        'Create a serial port (a pseudo-terminal), print its path, and simulate a device in\n'
+        'motion on it. The same seed and options give the same bytes.')
     parser.epilog = _epilog()
     for add in (_add_run, _add_motion,
                 *(spec.emulation().add_arguments for spec in DEVICES.values()), _add_cable):
@@ -55,32 +55,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _add_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--sensor', choices=tuple(DEVICES), default=DEFAULT,
-                        help='which device to be (default: %(default)s)')
-    parser.add_argument('--link', metavar='PATH', help='make a symbolic link to the port')
+                        help='which device to simulate (default: %(default)s)')
+    parser.add_argument('--link', metavar='PATH', help='create a symbolic link to the port')
     parser.add_argument('--wait', action='store_true',
-                        help='stay switched off until somebody opens the port')
+                        help='stay switched off until a program opens the port')
     parser.add_argument('--output', metavar='FILE',
-                        help='no port: write the bytes into a file, as fast as possible; - is '
+                        help='write the bytes into a file instead, as fast as possible; - is '
                              'standard output')
     parser.add_argument('--duration', type=bounded_float('a duration'), default=math.inf,
-                        metavar='SECONDS', help='end after this long (default: never)')
+                        metavar='SECONDS', help='end after this time (default: never)')
     parser.add_argument('--seed', type=int, default=1, metavar='NUMBER',
-                        help='of all that is random (default: %(default)s)')
+                        help='seed of everything random (default: %(default)s)')
     parser.add_argument('--truth', metavar='FILE',
                         help='write ground truth, one JSON line per frame; - is standard output')
     add_force(parser)
     parser.add_argument('--scenario', metavar='FILE',
-                        help='commands to carry out, each after its seconds since the start: '
+                        help='commands to execute, each with its seconds since the start: '
                              '"12.5 integrity roll risk"')
 
 
 def _add_motion(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group('motion and its measurement')
     group.add_argument('--motion', choices=tuple(MOTIONS), default='flight',
-                       help='how it moves (default: %(default)s)')
+                       help='how the vehicle moves (default: %(default)s)')
     group.add_argument('--noise', type=argument_type(parse_deviation), action='append', default=[],
                        metavar='NAME=STDDEV',
-                       help='white noise in SI units, again for each quantity (default: '
+                       help='white noise in SI units; repeat for each quantity (default: '
                             + ', '.join(f'{name}={value:g}'
                                         for name, value in DEVIATIONS.items()) + ')')
     group.add_argument('--bias', type=argument_type(parse_bias), action='append', default=[],
@@ -93,12 +93,12 @@ def _add_cable(parser: argparse.ArgumentParser) -> None:
     group.add_argument('--baud-rate', type=bounded_float('a baud rate', 1200, 4e6), default=115200,
                        metavar='BAUD', help='of the line, always 8N1 (default: %(default)s)')
     group.add_argument('--latency-timer', type=argument_type(adapter_mode), default='none',
-                       metavar='MS', help='how long an adapter holds bytes back, 1 to 255 ms; '
-                       '"packets" for one that hands over eight full packets at a time, "none" '
-                       'for none (default: %(default)s)')
+                       metavar='MS', help='how long the adapter holds bytes back, 1 to 255 ms; '
+                       '"packets" for an adapter that delivers eight full packets at a time, '
+                       '"none" for no delay (default: %(default)s)')
     group.add_argument('--fault', type=argument_type(parse_fault), action='append', default=[],
                        metavar='NAME=RATE',
-                       help='damage what is sent, see below; again for each kind')
+                       help='damage the stream, see below; repeat the option for each kind')
 
 
 def run(options: argparse.Namespace) -> int:
@@ -108,7 +108,7 @@ def run(options: argparse.Namespace) -> int:
     if options.truth and same_output(options.truth, options.output):
         raise CommandError(f'--truth and --output are both {printable(options.output)}: choose '
                            'another name for one of them')
-    _refuse_foreign(options)
+    _reject_options_of_other_devices(options)
     scenario = _scenario(options.scenario)
     with contextlib.ExitStack() as stack:
         truth_file = TruthFile(stack.enter_context(live_output(options.truth, options.force))) \
@@ -122,14 +122,14 @@ def run(options: argparse.Namespace) -> int:
                 _run_to_file(options, session(HostTime()))
             else:
                 _run_on_port(options, session)
-        except BrokenPipeError:         # of standard output, whose reader has seen enough
+        except BrokenPipeError:         # the reader of standard output has closed it
             raise
         except (OSError, WriteError) as error:
-            raise CommandError(f'cannot go on: {reason(error)}') from error
+            raise CommandError(f'cannot continue: {reason(error)}') from error
     return 0
 
 
-def _refuse_foreign(options: argparse.Namespace) -> None:
+def _reject_options_of_other_devices(options: argparse.Namespace) -> None:
     """Raise CommandError for an option of another device, which would have no effect."""
     for name, spec in DEVICES.items():
         if name != options.sensor:
@@ -152,17 +152,17 @@ def _run_to_file(options: argparse.Namespace, session: Session) -> None:
 
 def _run_on_port(options: argparse.Namespace, make: Callable[[HostTime], Session]) -> None:
     paced = PacedRun(options.link, ControlInput(0 if sys.stdin else None), _announce, _complain)
-    with _signals_call(paced.end), paced:
+    with _call_on_signals(paced.end), paced:
         session = make(paced.start(options.wait))
         paced.run(session, options.duration)
     _report(session.emulation, paced.lost)
 
 
 @contextlib.contextmanager
-def _signals_call(end: Callable[[], None]) -> Iterator[None]:
-    """Let Ctrl-C and its relatives end the emulator, for they are the usual way to do so."""
+def _call_on_signals(end: Callable[[], None]) -> Iterator[None]:
+    """Call a function at Ctrl-C and similar signals, which usually end the emulator."""
     handlers: dict[signal.Signals, Any] = dict.fromkeys(handled_signals(), lambda *_: end())
-    # In the background of a shell the terminal is not ours to read; reading then fails, no more.
+    # In the background of a shell, reading the terminal then fails instead of stopping us.
     handlers[signal.SIGTTIN] = signal.SIG_IGN
     before = {kind: signal.signal(kind, handler) for kind, handler in handlers.items()}
     try:
@@ -192,12 +192,12 @@ def _scenario(name: str | None) -> list[TimedCommand]:
 
 
 def _report(emulation: Emulation, lost: int = 0) -> None:
-    """Tell on standard error what was sent, and what became of it."""
+    """Print the counts of frames and faults on standard error."""
     rows = [(name, count) for counter in (
         emulation.counts, emulation.wire_counts, emulation.faults.counts)
         for name, count in counter.items()]
     if lost:
-        rows.append(('bytes nobody took', lost))
+        rows.append(('bytes not read', lost))
     for name, count in rows:
         print(f'{name:<22}{count:>12,}', file=sys.stderr)
 
@@ -214,7 +214,7 @@ def _epilog() -> str:
     lines = [_EXAMPLES + examples('emulate'),
              'faults, with a rate from 0 to 1 for each byte or frame:']
     lines += [f'  {name:<28}{text}' for name, text in FAULTS.items()]
-    lines += ['', 'commands, a line each on standard input or in a scenario:']
+    lines += ['', 'commands, one per line on standard input or in a scenario:']
     lines += [f'  {name + " " + command.arguments:<28}{command.summary}'
               for name, command in COMMANDS.items()]
     return '\n'.join(lines)

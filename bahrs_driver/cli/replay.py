@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""`bahrs replay`: a recorded stream of bytes, on a port, as the device sent it."""
+"""`bahrs replay`: play a recorded stream of bytes on a pseudo-terminal."""
 
 import argparse
 from collections.abc import Iterator
@@ -28,8 +28,8 @@ from bahrs_driver.virtual_serial.player import Player
 from bahrs_driver.virtual_serial.pty_port import PtyPort
 
 BAUD_RATE = 115200
-LONGEST_UNREAD = 60.0       # s that a reader may take for the last bytes
-REOPEN_TIMEOUT = 10.0       # s; a driver that was started again opens the port within a few
+LONGEST_UNREAD = 60.0       # s for a reader to take the last bytes
+REOPEN_TIMEOUT = 10.0       # s; a restarted driver opens the port sooner
 
 _EXAMPLES = """examples:
   bahrs replay flight.bin --link /tmp/bahrs       bytes, at the rates of the device
@@ -42,85 +42,109 @@ _EXAMPLES = """examples:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
-        'Make a serial port (a pseudo-terminal), print its path, wait until somebody opens\n'
-        'it, and play what a device sent: a bag that holds raw at its own times, a file of\n'
-        'bytes at the message rates of the device. Playing pauses while no reader has the\n'
+        'Create a serial port (a pseudo-terminal), print its path, wait until a program opens\n'
+        'it, and play a recorded stream: a bag with the topic raw at its own times, a file of\n'
+        'bytes at the message rates of the device. Playing pauses while no program has the\n'
         'port open.')
     parser.epilog = '\n'.join([
         _EXAMPLES, 'faults, with a rate from 0 to 1 for each byte or frame:',
         *(f'  {name:<28}{text}' for name, text in FAULTS.items())])
-    parser.add_argument('file', help='bag that holds the topic raw, or file of bytes as the '
-                                     'device sent them; - is standard input')
-    parser.add_argument('--link', metavar='PATH', help='make a symbolic link to the port')
+    parser.add_argument('file', help='bag with the topic raw, or file of bytes from the device; '
+                                     '- is standard input')
+    parser.add_argument('--link', metavar='PATH', help='create a symbolic link to the port')
     parser.add_argument('--rate', type=positive_float, default=1.0, metavar='FACTOR',
-                        help='how many times faster than it was (default: %(default)s)')
-    parser.add_argument('--loop', action='store_true', help='begin again at the end')
+                        help='speed relative to the recording (default: %(default)s)')
+    parser.add_argument('--loop', action='store_true', help='restart at the end')
     parser.add_argument('--settle', type=bounded_float('a time', 0.0), default=0.5,
                         metavar='SECONDS',
-                        help='time given to whoever opens the port before the first byte '
+                        help='time from the opening of the port to the first byte '
                              '(default: %(default)s)')
     parser.add_argument('--reopen-timeout', type=bounded_float('a time', 0.0), metavar='SECONDS',
-                        help='how long to wait, when the port has been closed, until it is opened '
-                             f'again (default: {REOPEN_TIMEOUT:g}, with --loop no limit)')
+                        help='how long to wait for a closed port to be opened again '
+                             f'(default: {REOPEN_TIMEOUT:g}, with --loop no limit)')
     parser.add_argument('--topic', metavar='NAME',
                         help='topic of the bytes, for a bag with several')
     parser.add_argument('--json', action='store_true',
-                        help='print what was played as a JSON object at the end')
+                        help='print the result as one JSON object')
     parser.add_argument('--sensor', choices=tuple(DEVICES),
-                        help='whose frames faults are put on (default: as the bag says, or '
-                             f'{DEFAULT})')
+                        help='which device sent it, for faults and message rates (default: as '
+                             f'the bag says, or {DEFAULT})')
+    _add_cable(parser)
+
+
+def _add_cable(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group('cable')
     group.add_argument('--fault', type=argument_type(parse_fault), action='append', default=[],
-                       metavar='NAME=RATE', help='damage what is sent, see below; again for each')
+                       metavar='NAME=RATE',
+                       help='damage the stream, see below; repeat for each kind')
     group.add_argument('--latency-timer', type=argument_type(adapter_mode), metavar='MS',
-                       help='how long an adapter holds bytes back, 1 to 255 ms; "packets" for '
-                            'one that hands over eight full packets at a time (default: as it '
-                            'was)')
+                       help='how long the adapter holds bytes back, 1 to 255 ms; "packets" for '
+                            'an adapter that delivers eight full packets at a time (default: '
+                            'as recorded)')
     group.add_argument('--seed', type=int, default=1, metavar='NUMBER',
-                       help='of the faults (default: %(default)s)')
+                       help='seed of the faults (default: %(default)s)')
 
 
 def run(options: argparse.Namespace) -> int:
-    """Play the file; Ctrl-C ends it. 1 if its reader has gone before the end."""
-    if options.file == STANDARD_INPUT:
-        with binary_input(options.file) as file:
-            content = file.read()
-        capture = None
-    else:
-        content, capture = b'', read_capture(options.file, options.topic)
-        if not capture.size:
-            raise CommandError(f'{printable(options.file)} is empty: there is nothing to play')
+    """Play the file; 1 if the reader closes the port before the end."""
+    capture, content = _input(options)
     options.sensor = sensor_of(capture, options.sensor)
     faults = Faults(options.seed, dict(options.fault))
-    try:
-        port = PtyPort(options.link)
-    except (OSError, WriteError) as error:
-        raise CommandError(f'cannot make the port: {reason(error)}') from error
-    patience = options.reopen_timeout
-    if patience is None and not options.loop:
-        patience = REOPEN_TIMEOUT
-    player = Player(port, options.rate, options.settle, patience,
-                    lambda text: print(f'bahrs replay: {text}', file=sys.stderr))
-    with port:
+    with _port(options.link) as port:
+        player = Player(port, options.rate, options.settle, _reopen_timeout(options), _complain)
         print(port.name, flush=True)
         port.wait_until_open()
         time.sleep(options.settle)
         complete = again = True
         while complete and again:
-            pieces = _timed(capture) if capture and capture.timed else \
-                paced(_bytes(capture) if capture else [content], _framer(options),
-                      DEVICES[options.sensor].frame_period)
+            pieces = _pieces(options, capture, content)
             complete = player.play(_over_cable(options, pieces, faults))
             again = options.loop
-        # What is still unread would vanish with the port.
-        if complete:
+        if complete:            # bytes that are unread when the port closes are lost
             time.sleep(options.settle)
             port.wait_until_read(LONGEST_UNREAD)
     notes = capture.notes if capture else []
     if not complete:
-        notes.append('no reader opened the port again: the rest was not played')
+        notes.append('no program opened the port again: the rest was not played')
     _report(options, player.played, faults, notes)
     return 0 if complete else 1
+
+
+def _input(options: argparse.Namespace) -> tuple[Capture | None, bytes]:
+    """Return a capture, or the bytes of standard input."""
+    if options.file == STANDARD_INPUT:
+        with binary_input(options.file) as file:
+            return None, file.read()
+    capture = read_capture(options.file, options.topic)
+    if not capture.size:
+        raise CommandError(f'{printable(options.file)} is empty: there is nothing to play')
+    return capture, b''
+
+
+def _port(link: str | None) -> PtyPort:
+    try:
+        return PtyPort(link)
+    except (OSError, WriteError) as error:
+        raise CommandError(f'cannot create the port: {reason(error)}') from error
+
+
+def _reopen_timeout(options: argparse.Namespace) -> float | None:
+    if options.reopen_timeout is None and not options.loop:
+        return REOPEN_TIMEOUT
+    timeout: float | None = options.reopen_timeout
+    return timeout
+
+
+def _complain(sentence: str) -> None:
+    print(f'bahrs replay: {sentence}', file=sys.stderr)
+
+
+def _pieces(options: argparse.Namespace, capture: Capture | None,
+            content: bytes) -> Iterator[Piece]:
+    if capture and capture.timed:
+        return _timed(capture)
+    return paced(_bytes(capture) if capture else [content], _framer(options),
+                 DEVICES[options.sensor].frame_period)
 
 
 def _framer(options: argparse.Namespace) -> Framer:
@@ -128,7 +152,7 @@ def _framer(options: argparse.Namespace) -> Framer:
 
 
 def _timed(capture: Capture) -> Iterator[Piece]:
-    """Return what was read, and when since the first read."""
+    """Yield the bytes of each read with its seconds since the first read."""
     log_clock, first = LogClock(), None
     for data, read_at, raw_at, _ in capture.chunks():
         at = log_clock.observe(read_at or 0, raw_at).raw_ns
@@ -153,7 +177,7 @@ def _over_cable(options: argparse.Namespace, pieces: Iterator[Piece],
 
 def _report(options: argparse.Namespace, played: int, faults: Faults, notes: list[str]) -> None:
     for note in notes:
-        print(f'bahrs replay: {note}', file=sys.stderr)
+        _complain(note)
     if options.json:
         print(json.dumps({'bytes': played, 'faults': dict(faults.counts), 'notes': notes}))
         return

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Find drivers among the nodes that run, whatever they are called and however they are remapped.
+Find drivers in the ROS graph, whatever their names and remappings.
 
-What the graph says comes from other processes: a node may be gone by the time that it is asked
-about, and its name may be anything. None of that may end the search.
+The graph describes other processes: a node may be gone before it is queried, and its name may be
+any text. Neither ends the search.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.ros.node_names import full_name, NodeChoice, Selection, split_name, USUAL_NAME
 from rclpy.node import Node
 
-LOOK_PERIOD = 0.2           # s between looks at what nodes of other names offer, which take longer
+LOOK_PERIOD = 0.2           # s between queries of nodes with other names, which take longer
 SELF_TEST = 'diagnostic_msgs/srv/SelfTest'
 
 Item = TypeVar('Item')
@@ -30,19 +30,19 @@ def _is_published_by_a_driver(types: set[str]) -> bool:
 
 
 def node_names(node: Node) -> list[str]:
-    """Return the fully qualified names of all nodes; a name that two nodes have is there twice."""
-    return [full_name(*found) for found in _ask(node.get_node_names_and_namespaces)]
+    """Return the fully qualified names of all nodes, duplicates included."""
+    return [full_name(*found) for found in _query(node.get_node_names_and_namespaces)]
 
 
 class NodeSearch:
-    """Looks for the node that a choice is about, as often as it is asked to."""
+    """Searches the graph for the node that a choice selects."""
 
     def __init__(self, choice: NodeChoice) -> None:
         self.choice = choice
         self._next_look = 0.0
 
     def update(self, node: Node, now: float) -> str:
-        """Look at the graph of a node at a time in seconds (monotonic); return what is chosen."""
+        """Search the graph of a node at a monotonic time in seconds; return the chosen name."""
         if not self.choice.settled(now):
             names = [name for name in node_names(node) if self.choice.selection.matches(name)]
             if not self.choice.selection.name:
@@ -59,15 +59,15 @@ class NodeSearch:
 
 
 def find_drivers(node: Node, namespace: str = '') -> list[str]:
-    """Return the drivers that run in a namespace, or in any."""
+    """Return the running drivers of a namespace, or of all."""
     selection = Selection('', namespace)
     return [name for name in sorted(set(node_names(node)))
             if selection.matches(name) and is_driver(node, name)]
 
 
 def is_driver(node: Node, full: str) -> bool:
-    """Return whether a node has the service and publishes the types that a driver does."""
-    services = _ask(lambda: node.get_service_names_and_types_by_node(*split_name(full)))
+    """Return whether a node offers the service and the message types of a driver."""
+    services = _query(lambda: node.get_service_names_and_types_by_node(*split_name(full)))
     if not any(SELF_TEST in types for _, types in services):
         return False
     return _is_published_by_a_driver(
@@ -75,12 +75,12 @@ def is_driver(node: Node, full: str) -> bool:
 
 
 def published(node: Node, full: str) -> list[tuple[str, list[str]]]:
-    """Return the topics that a node publishes, each with its types; none if it is gone."""
-    return _ask(lambda: node.get_publisher_names_and_types_by_node(*split_name(full)))
+    """Return the topics that a node publishes, each with its types; empty if it is gone."""
+    return _query(lambda: node.get_publisher_names_and_types_by_node(*split_name(full)))
 
 
-def _ask(question: Callable[[], list[Item]]) -> list[Item]:
+def _query(query: Callable[[], list[Item]]) -> list[Item]:
     try:
-        return question()
-    except Exception:       # a node that is gone, or a name that rcl or Python refuses
+        return query()
+    except Exception:       # the node is gone, or rcl rejects its name
         return []

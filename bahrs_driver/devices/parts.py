@@ -28,11 +28,11 @@ class Converter(Protocol):
     def convert(self, message: Message, stamp_ns: int) -> Iterator[tuple[str, object]]:
         """Convert a device message to ROS messages, each with its topic."""
 
-    def lost(self, stamp_ns: int) -> Iterator[tuple[str, object]]:
+    def lost(self, _stamp_ns: int) -> Iterator[tuple[str, object]]:
         """Forget the stream, and return messages that report its end."""
         return iter(())
 
-    def silent(self, stamp_ns: int) -> Iterator[tuple[str, object]]:
+    def silent(self, _stamp_ns: int) -> Iterator[tuple[str, object]]:
         """Return messages that report a pause of the stream."""
         return iter(())
 

@@ -51,11 +51,11 @@ def _understand(line: str) -> tuple[Command, list[str]] | None:
         raise ControlError(str(error)) from error
     if len(words) != len(command.arguments.split()):
         usage = f'{name} {command.arguments}'.strip()
-        raise ControlError(f'{line.strip()!r} is not understood: say "{usage}"')
+        raise ControlError(f'{line.strip()!r} is invalid: write "{usage}"')
     return command, words
 
 
-def _integrity(emulation: Emulation, now: float, words: list[str]) -> None:
+def _integrity(emulation: Emulation, _now: float, words: list[str]) -> None:
     name, state = words
     integrity = INTEGRITIES[known(state, 'integrity', INTEGRITIES)]
     names = emulation.device.signals
@@ -64,11 +64,11 @@ def _integrity(emulation: Emulation, now: float, words: list[str]) -> None:
     emulation.device.set_integrity(chosen or (known(name, 'signal', ('all', *names)),), integrity)
 
 
-def _fault(emulation: Emulation, now: float, words: list[str]) -> None:
+def _fault(emulation: Emulation, _now: float, words: list[str]) -> None:
     emulation.faults.set_rate(*parse_fault(words[0]))
 
 
-def _latency_timer(emulation: Emulation, now: float, words: list[str]) -> None:
+def _latency_timer(emulation: Emulation, _now: float, words: list[str]) -> None:
     emulation.cable.mode = adapter_mode(words[0])
 
 
@@ -76,19 +76,19 @@ def _unplug(emulation: Emulation, now: float, words: list[str]) -> None:
     emulation.unplug(now, number(words[0], 'the time without a plug in seconds'))
 
 
-def _power_cycle(emulation: Emulation, now: float, words: list[str]) -> None:
+def _power_cycle(emulation: Emulation, now: float, _words: list[str]) -> None:
     emulation.device.power_cycle(now)
 
 
-def _drift(emulation: Emulation, now: float, words: list[str]) -> None:
+def _drift(emulation: Emulation, _now: float, words: list[str]) -> None:
     emulation.device.set_drift(number(words[0], 'the drift in ppm', -1e5, 1e5))
 
 
-def _sync_pulse_rate(emulation: Emulation, now: float, words: list[str]) -> None:
+def _sync_pulse_rate(emulation: Emulation, _now: float, words: list[str]) -> None:
     emulation.device.set_pulse_rate(number(words[0], 'the rate of sync pulses in Hz', 0, 1000))
 
 
-def _quit(emulation: Emulation, now: float, words: list[str]) -> None:
+def _quit(emulation: Emulation, _now: float, _words: list[str]) -> None:
     emulation.ended = True
 
 

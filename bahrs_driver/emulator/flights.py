@@ -22,7 +22,7 @@ class Still:
         track = Change(math.radians(heading))
         self._truth = truth(_NOTHING, _NOTHING, track, _NOTHING, height)
 
-    def at(self, time: float) -> Truth:
+    def at(self, _time: float) -> Truth:
         """Return the true values, which never change."""
         return self._truth
 

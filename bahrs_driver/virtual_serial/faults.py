@@ -88,11 +88,11 @@ def _flip(frame: bytes, index: int, source: random.Random) -> bytes:
     return _replace(frame, index, bytes([frame[index] ^ 1 << source.randrange(8)]))
 
 
-def _drop(frame: bytes, index: int, source: random.Random) -> bytes:
+def _drop(frame: bytes, index: int, _source: random.Random) -> bytes:
     return _replace(frame, index, b'')
 
 
-def _repeat(frame: bytes, index: int, source: random.Random) -> bytes:
+def _repeat(frame: bytes, index: int, _source: random.Random) -> bytes:
     return _replace(frame, index, frame[index:index + 1] * 2)
 
 

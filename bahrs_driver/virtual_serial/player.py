@@ -54,8 +54,8 @@ class Player:
 
     def _reader_comes(self, due: float) -> bool:
         limit = '' if self._reopen_timeout is None else f' for {self._reopen_timeout:g} s'
-        self._report(f'the reader has closed the port, {due:.1f} s after the beginning: waiting'
-                     f'{limit} until it is opened again')
+        self._report(f'the reader has closed the port {due:.1f} s after the start: waiting'
+                     f'{limit} until a program opens it again')
         if not self._port.wait_until_open(self._reopen_timeout):
             return False
         time.sleep(self._settle)

@@ -222,5 +222,5 @@ def test_a_reader_that_has_gone(tmp_path):
     told = json.loads(player.lines[-1])
     assert 1000 <= told['bytes'] < len(data)
     assert 'the rest was not played' in told['notes'][-1]
-    assert 'for 0.5 s until it is opened again' in player.text
+    assert 'for 0.5 s until a program opens it again' in player.text
     assert not os.path.lexists(link)

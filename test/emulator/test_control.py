@@ -94,14 +94,14 @@ def test_empty_lines_and_comments_do_nothing():
 
 @pytest.mark.parametrize(('line', 'says'), [
     ('explode', "no command 'explode', only integrity, fault"),
-    ('integrity roll', 'say "integrity SIGNAL STATE"'),
+    ('integrity roll', 'write "integrity SIGNAL STATE"'),
     ('integrity yaw risk', "no signal 'yaw', only all, specific_force_x"),
     ('integrity roll bad', "no integrity 'bad', only safe, risk"),
     ('fault rust=1', "no fault 'rust', only bit_flip"),
     ('fault bit_flip', "the rate of bit_flip is ''"),
     ('latency-timer 0', 'from 1 to 255'),
     ('unplug soon', "'soon': it must be a number of at least 0"),
-    ('power-cycle now', 'say "power-cycle"'),
+    ('power-cycle now', 'write "power-cycle"'),
     ('drift-ppm fast', 'from -100000 to 100000'),
     ('sync-pulse-rate -1', 'from 0 to 1000'),
 ])
@@ -122,7 +122,7 @@ def test_a_scenario_is_in_the_order_of_time():
 @pytest.mark.parametrize(('line', 'says'), [
     ('integrity roll risk', 'line 2 .*must be seconds and a command'), ('5', 'line 2'),
     ('-1 quit', 'line 2'), ('inf quit', 'line 2'), ('5 explode', "line 2: .*no command 'explode'"),
-    ('5 integrity roll', 'line 2: .*say "integrity SIGNAL STATE"')])
+    ('5 integrity roll', 'line 2: .*write "integrity SIGNAL STATE"')])
 def test_a_wrong_scenario_is_refused_before_it_begins(line, says):
     """With the number of the line."""
     with pytest.raises(ScenarioError, match=says):

@@ -137,7 +137,7 @@ def test_without_rates_it_listens(cable):
     with listening(EVERYTHING) as ear, titan(cable, {}) as asked, \
             driver(cable.path, sensor='titan_m', **rates) as node:
         assert wait_for(lambda: 'is open' in node.text, 60)
-        assert 'are all 0: the device is asked nothing' in node.text
+        assert 'are all 0: nothing is requested' in node.text
 
         def heard():
             cable.write(b''.join(answers().values()))

@@ -20,14 +20,14 @@ from bahrs_driver.units import NS_PER_S
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the options."""
+    """Add the options that only this device has."""
     _add_device(parser)
     _add_service(parser)
 
 
 def make_device(options: argparse.Namespace, motion: Motion, errors: MeasurementErrors,
                 zero: HostTime) -> BahrsDevice:
-    """Return the device that the options describe, on a host whose clocks are so at time 0."""
+    """Return the device that the options describe; zero is the host time of time 0."""
     behavior = BahrsBehavior(
         options.protocol_version, options.crc, options.time_label, options.start_up,
         options.debug_rate, options.output_delay / 1000, _service(options))
@@ -39,10 +39,10 @@ def make_device(options: argparse.Namespace, motion: Motion, errors: Measurement
 def _add_device(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group('device: bahrs')
     group.add_argument('--protocol-version', type=int, choices=VERSIONS, default=3,
-                       help='of the protocol that it speaks (default: %(default)s)')
+                       help='version of its protocol (default: %(default)s)')
     group.add_argument('--crc', choices=('word', 'byte'), default='word',
                        help='how the CRC takes the bytes: as 32-bit words, as real devices do, '
-                            'or one by one, as the document says (default: %(default)s)')
+                            'or as single bytes, as the document says (default: %(default)s)')
     group.add_argument('--time-label', choices=('next', 'same'), default='next',
                        help='whether time messages name the sample after the one that they are '
                             'about, as real devices do, or that one (default: %(default)s)')
@@ -58,19 +58,20 @@ def _add_device(parser: argparse.ArgumentParser) -> None:
                        help='device time at power-on, in microseconds (default: 0)')
     group.add_argument('--sync-pulse-rate', type=bounded_float('a rate', 0, 1000), default=0.0,
                        metavar='HZ', help='pulses at whole multiples of the period in UNIX time; '
-                       'the device ignores what comes sooner than 90 ms (default: 0, none)')
+                       'the device ignores a pulse within 90 ms of the previous one (default: 0, '
+                       'none)')
     group.add_argument('--debug-rate', type=bounded_float('a rate', 0, 200), default=0.0,
                        metavar='HZ',
                        help='of the undocumented messages 0xC0 and 0xC1 (default: 0, none)')
     group.add_argument('--output-delay', type=bounded_float('a delay', 0, 1000), default=0.0,
-                       metavar='MS', help='from a sample to the first byte that tells of it, in '
-                                          'milliseconds (default: 0)')
+                       metavar='MS', help='from a sample to its first byte, in milliseconds '
+                                          '(default: 0)')
 
 
 def _add_service(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group('diagnostics mode: bahrs')
     group.add_argument('--nvm', type=argument_type(_image), metavar='FILE',
-                       help=f'image of the memory, {SIZE:,} bytes (default: one made up)')
+                       help=f'image of the memory, {SIZE:,} bytes (default: an invented one)')
     group.add_argument('--nvm-window', choices=('always', 'power-on'), default='always',
                        help='when the device lets a host in: always, or in the first 0.5 s after '
                             'power-on, as known firmware does (default: %(default)s)')

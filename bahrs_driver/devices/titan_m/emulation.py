@@ -15,13 +15,13 @@ from bahrs_driver.process.text_values import number, whole
 from bahrs_driver.protocol.titan_m.messages import Gps, Sensors, State
 from bahrs_driver.units import BITS_PER_BYTE
 
-START = (47.2603, 11.3439)          # degrees; a runway in the mountains
+START = (47.2603, 11.3439)          # degrees, of a runway
 OUTPUT_RATES = {Sensors: 50.0, State: 50.0, Gps: 10.0}      # Hz, into a file
-NORTHERNMOST = 80.0                 # degrees, that flights begin at
+NORTHERNMOST = 80.0                 # degrees, of the start of a flight
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the options."""
+    """Add the options that only this device has."""
     group = parser.add_argument_group('device: titan_m')
     group.add_argument('--start', type=argument_type(_start), default=START, metavar='LAT,LON',
                        help='where the motion begins, in degrees (default: {:g},{:g})'.format(
@@ -50,8 +50,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def make_device(options: argparse.Namespace, motion: Motion, errors: MeasurementErrors,
-                zero: HostTime) -> TitanDevice:
-    """Return the device that the options describe; into a file it speaks without being asked."""
+                _zero: HostTime) -> TitanDevice:
+    """Return the device that the options describe; into a file it sends without requests."""
     behavior = TitanBehavior(
         payload_order=options.payload_order, checksum_order=options.checksum_order,
         request_order=options.request_order, sensors_length=int(options.sensors_len, 16),

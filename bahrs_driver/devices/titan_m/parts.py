@@ -27,8 +27,8 @@ from bahrs_driver.transport.request_loop import RequestLoop
 from bahrs_driver.units import byte_time_ns, NS_PER_S
 
 SILENCE_HINT = 'is the device powered, are both of its lines connected, and is {} its baud rate?'
-UNASKED_HINT = ('nothing is asked, as state.rate, gps.rate and sensors.rate are 0, and another '
-                'program seems not to ask either')
+NO_REQUESTS_HINT = ('state.rate, gps.rate and sensors.rate are 0, so nothing is requested, and no '
+                    'other program seems to send requests either')
 PAUSES = 2.5            # periods of the most frequent answer before the device counts as silent
 
 
@@ -36,12 +36,7 @@ def make_parts(settings: TitanMSettings) -> Parts:
     """Return new parts for one stream of a Titan-M; if all rates are 0, they make no requests."""
     frame_format = AnswerFormat(settings.checksum_order)
     rates = _rates(settings)
-    poller = Poller(rates, frame_format, PollOptions(
-        pipelined=settings.request.pipelined,
-        timeout=round(settings.request.timeout * NS_PER_S),
-        retries=settings.request.retries,
-        counted_ids=settings.request.message_id == 'counted',
-        checksum_order=settings.checksum_order))
+    poller = _poller(settings, rates, frame_format)
     polls = any(rates.values())
     payloads = PayloadDecoder[Any](settings.payload_order)
     converter = TitanConverter(_options(settings, rates))
@@ -53,27 +48,38 @@ def make_parts(settings: TitanMSettings) -> Parts:
         poller if polls else None, payloads, lambda: converter.gps_status,
         lambda: converter.week_problem)
 
-    def protocol() -> Mapping[str, str]:
-        lengths = {kind.NAME: f'0x{length:02X}'
-                   for kind, length in sorted(frame_format.lengths_seen.items(),
-                                              key=lambda item: item[0].NAME)}
-        return {'Payload byte order': payloads.order or 'not known yet',
-                'Checksum byte order': frame_format.checksum_order.seen or 'not seen yet',
-                'LEN': ', '.join(f'{name} {text}' for name, text in lengths.items())
-                or 'not seen yet'}
-
     def live(link: Link) -> LivePart:
         if not polls:
             return LivePart()
         return LivePart(requests=RequestLoop(link, poller),
                         tasks=[RequestsTask(poller, health.stale)])
 
-    silence_hint = SILENCE_HINT.format(settings.baud_rate) if polls else UNASKED_HINT
+    silence_hint = SILENCE_HINT.format(settings.baud_rate) if polls else NO_REQUESTS_HINT
     decoder = TitanDecoder(payloads, poller if polls else None)
     return Parts(Framer(frame_format), decoder, _clock(settings), converter, health,
-                 silence_timeout, silence_hint, protocol=protocol, live=live,
+                 silence_timeout, silence_hint, live=live,
+                 protocol=lambda: _protocol(payloads, frame_format),
                  take_notices=converter.take_notices,
                  warnings=tuple(_warnings(settings, rates)))
+
+
+def _poller(settings: TitanMSettings, rates: Mapping[type[TitanRequest], float],
+            frame_format: AnswerFormat) -> Poller:
+    return Poller(rates, frame_format, PollOptions(
+        pipelined=settings.request.pipelined,
+        timeout=round(settings.request.timeout * NS_PER_S),
+        retries=settings.request.retries,
+        counted_ids=settings.request.message_id == 'counted',
+        checksum_order=settings.checksum_order))
+
+
+def _protocol(payloads: PayloadDecoder[Any], frame_format: AnswerFormat) -> Mapping[str, str]:
+    """Return the detected properties of the protocol, by name."""
+    lengths = sorted((kind.NAME, length) for kind, length in frame_format.lengths_seen.items())
+    return {'Payload byte order': payloads.order or 'not known yet',
+            'Checksum byte order': frame_format.checksum_order.seen or 'not seen yet',
+            'LEN': ', '.join(f'{name} 0x{length:02X}' for name, length in lengths)
+            or 'not seen yet'}
 
 
 def _rates(settings: TitanMSettings) -> dict[type[TitanRequest], float]:
@@ -95,8 +101,8 @@ def _warnings(settings: TitanMSettings,
         yield ("parameter time.source is 'sync_pulse': a titan_m has no sync pulses, stamps are "
                "the middle of request and answer, as with 'device'")
     if not any(rates.values()):
-        yield ('parameters state.rate, gps.rate and sensors.rate are all 0: the device is asked '
-               'nothing, and what it says to somebody else is taken')
+        yield ('parameters state.rate, gps.rate and sensors.rate are all 0: nothing is requested, '
+               'and only answers to other programs are published')
     use = sum(rate * answer_size(kind.ANSWER) for kind, rate in rates.items()) \
         * byte_time_ns(settings.baud_rate) / NS_PER_S
     if use > 1:

@@ -89,7 +89,7 @@ class TitanMeasures:
             'altitude': place.altitude, 'velocity_ned': truth.velocity, 'heading_deg': course,
             'gps_time_s': week_ms / 1000, 'zone': zone, 'northern': northern})
 
-    def _sensors(self, time: float, has_fix: bool) -> Measured:
+    def _sensors(self, time: float, _has_fix: bool) -> Measured:
         truth, place, _ = self._path.at(time)
         force = _vector(self._errors.add('specific_force', truth.specific_force))
         rate = _vector(self._errors.add('angular_rate', truth.angular_rate))
