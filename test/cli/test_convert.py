@@ -216,6 +216,12 @@ def test_options_without_effect_are_listed(byte_file, tmp_path):
         'a port)' in text
 
 
+def test_no_port_is_created(byte_file, tmp_path):
+    """A port that does not exist has no effect, and a sentence says so."""
+    status, text = convert(byte_file, tmp_path / 'out', '-p', 'port:=socket://x')
+    assert status == 0 and 'settings without effect: port (it is for a port)' in text
+
+
 def test_rates_of_requests_are_refused_for_what_was_recorded(tmp_path):
     """With one, every answer would be one that nobody waits for."""
     with BagWriter(tmp_path / 'bag') as bag:

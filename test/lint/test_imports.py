@@ -9,6 +9,7 @@ import subprocess
 import sys
 
 import bahrs_driver
+from bahrs_driver.devices.registry import DEVICES
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -34,6 +35,17 @@ def test_only_modules_of_the_public_interface_stand_in_the_root():
     """Everything else belongs to a package."""
     assert {path.name for path in (ROOT / 'bahrs_driver').glob('*.py')} == {
         '__init__.py', 'errors.py', 'units.py'}
+
+
+def test_only_its_own_packages_name_a_device():
+    """Everything else iterates over the registry."""
+    names, labels = '|'.join(DEVICES), '|'.join(spec.label for spec in DEVICES.values())
+    own = re.compile(rf'bahrs_driver/(devices/|(protocol|convert|emulator)/({names})/)')
+    named = re.compile(rf'\b(protocol|convert|emulator|devices)\.({names})\b|\b({labels})\b|'
+                       rf"(sensor\w*|name) ?[=!]=? ?'({names})'|\btitan_m\b")
+    paths = [str(path.relative_to(ROOT)) for path in (ROOT / 'bahrs_driver').rglob('*.py')]
+    assert [path for path in paths
+            if not own.match(path) and named.search((ROOT / path).read_text())] == []
 
 
 def test_importing_the_package_imports_neither_ros_nor_numpy():
