@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""`bahrs convert`: a recording of bytes into all topics."""
+"""`bahrs convert`: regenerate all topics from raw bytes."""
 
 import argparse
 from collections.abc import Iterator
@@ -26,7 +26,7 @@ from bahrs_driver.units import NS_PER_S
 from rich.progress import TaskID
 
 _EXAMPLES = """examples:
-  bahrs convert flight flight_topics              a bag that holds raw
+  bahrs convert flight flight_topics              from a bag with the topic raw
   bahrs convert flight.bin flight_topics --start 2026-05-01T12:00:00Z
   bahrs convert flight flight_csv --as csv -p frame_convention:=ned
 """
@@ -35,36 +35,36 @@ _EXAMPLES = """examples:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
-        'Regenerate all topics of the driver from the bytes that the device sent. Stamps are\n'
-        'better than those of the flight, because later data improves them, too. Stamps of a\n'
-        'polled device are arrival times, because requests are not recorded. Log times are the\n'
-        'stamps without the steps of the host clock.')
+        'Regenerate all topics of the driver from the bytes of the device. Stamps are more\n'
+        'accurate than during the flight, because later data improves them. Stamps of a polled\n'
+        'device are arrival times, because requests are not recorded. Log times are the stamps,\n'
+        'without the steps of the host clock.')
     parser.epilog = _EXAMPLES
     parser.add_argument('input', metavar='IN',
-                        help='bag that holds the topic raw, or file of bytes')
-    parser.add_argument('output', metavar='OUT', help='directory to make')
+                        help='bag with the topic raw, or file of bytes')
+    parser.add_argument('output', metavar='OUT', help='directory to create')
     parser.add_argument('--as', dest='kind', choices=('bag', 'csv'), default='bag',
                         help='a rosbag2 directory with MCAP, or a CSV file for each topic '
                              '(default: %(default)s)')
     parser.add_argument('--sensor', choices=tuple(DEVICES),
-                        help='which device sent it (default: as the bag says, or '
+                        help='device of the recording (default: that in the bag, or '
                              f'{DEFAULT})')
     parser.add_argument('--start', type=_time, metavar='TIME',
-                        help='for a file of bytes: the time of its first time message, as '
+                        help='time of the first time message in a file of bytes, as '
                              '2026-05-01T12:00:00Z or in seconds since 1970 (default: stamps are '
                              'device time, from 1970 on)')
     parser.add_argument('--topic', metavar='NAME',
                         help='topic of the bytes, for a bag with several')
     parser.add_argument('--namespace', default='', metavar='NAME',
-                        help='namespace of the topics that are made (default: none)')
+                        help='namespace of the converted topics (default: none)')
     parser.add_argument('-p', '--param', dest='parameters', action='append', default=[],
                         metavar='NAME:=VALUE', help='a parameter of the driver, as for the node')
     parser.add_argument('--json', action='store_true',
-                        help='print what was converted as a JSON object')
+                        help='print the result as a JSON object')
 
 
 def run(options: argparse.Namespace) -> int:
-    """Convert; 1 if there was nothing to convert."""
+    """Convert a recording."""
     options.namespace = checked_namespace(options.namespace)
     _refuse_pipe(options.input)
     try:
@@ -72,7 +72,7 @@ def run(options: argparse.Namespace) -> int:
         name = sensor_of(capture, options.sensor)
         if DEVICES[name].roles is None and not capture.timed:
             raise CommandError(f'{options.input} cannot be converted: answers of a {name} have no '
-                               'times; record the topic raw, or look at them with bahrs decode')
+                               'times; record the topic raw, or show them with bahrs decode')
         settings, notes = read_settings(options.parameters, name)
         conversion = Conversion(capture, settings, DEVICES[name], options.start)
         with new_directory(options.output) as folder:
@@ -89,7 +89,7 @@ def run(options: argparse.Namespace) -> int:
 
 @contextlib.contextmanager
 def _shown_as(target: str, folder: Path) -> Iterator[None]:
-    """Name a temporary directory in errors by the name that it is to have."""
+    """Replace the temporary directory in errors by the name that the user gave."""
     try:
         yield
     except (CaptureError, WriteError) as error:
@@ -97,7 +97,7 @@ def _shown_as(target: str, folder: Path) -> Iterator[None]:
 
 
 def _refuse_pipe(name: str) -> None:
-    """Raise CommandError for what cannot be read from its beginning again."""
+    """Raise CommandError for an input that cannot be read twice, such as a pipe."""
     source = Path(name)
     if source.exists() and not (source.is_file() or source.is_dir()):
         raise CommandError(f'{printable(name)} is not a regular file, and a conversion reads its '

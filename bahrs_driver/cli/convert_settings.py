@@ -20,9 +20,9 @@ LIVE_ONLY = ('port', 'publish.raw', 'nvm.', 'startup.', 'diagnostics.qualified_n
 
 def read_settings(rules: Sequence[str], sensor: str) -> tuple[CommonSettings, list[str]]:
     """
-    Return the settings for a recording, and sentences about rules that change nothing.
+    Return the settings for a recording, and sentences about rules without effect.
 
-    CommandError and ParameterError say what is wrong with a rule.
+    CommandError and ParameterError explain what is wrong with a rule.
     """
     table = parameter_table()
     given: dict[str, object] = {}
@@ -37,8 +37,8 @@ def read_settings(rules: Sequence[str], sensor: str) -> tuple[CommonSettings, li
     settings = table.settings(values)[1].for_recording()
     for row in parameters(settings):
         if row.name in given and values[row.name] != row.default:
-            raise CommandError(f'-p {rule_of[row.name]}: it can only be 0, for nothing is asked '
-                               'of what was recorded')
+            raise CommandError(f'-p {rule_of[row.name]}: it can only be 0, because a recording '
+                               'is not asked')
     notes = [note for name in given if (note := table.by_name[name].correction(given[name]))]
     unused = [*table.unused(given, sensor, settings),
               *(f'{name} (it is for a port)' for name in given if name.startswith(LIVE_ONLY))]
@@ -48,7 +48,7 @@ def read_settings(rules: Sequence[str], sensor: str) -> tuple[CommonSettings, li
 
 
 def unused_options(options: argparse.Namespace, timed: bool) -> list[str]:
-    """Return a sentence if there are options without effect on a recording with times or not."""
+    """Return a sentence about the options without effect; timed recordings have times."""
     unused = []
     if options.start is not None and timed:
         unused.append('--start (the recording has times)')

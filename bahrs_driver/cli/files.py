@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Opening what the user names, with a plain sentence where it cannot be."""
+"""Open the input files that the user names."""
 
 from collections.abc import Iterator
 import contextlib
@@ -19,7 +19,7 @@ _LOCAL_MODES = 3        # index of these flags in what tcgetattr() returns
 
 @contextlib.contextmanager
 def binary_input(name: str) -> Iterator[BinaryIO]:
-    """Open a file for reading; "-" is standard input. CommandError if it cannot be."""
+    """Open a file for reading; "-" is standard input. CommandError if that fails."""
     if name == STANDARD_INPUT:
         _refuse_lines(sys.stdin.buffer, 'standard input', 'name a file, or pipe one in')
         yield sys.stdin.buffer
@@ -31,7 +31,7 @@ def binary_input(name: str) -> Iterator[BinaryIO]:
 
 
 def _refuse_lines(file: BinaryIO, name: str, remedy: str) -> None:
-    """Raise CommandError for a terminal that hands over edited lines in place of bytes."""
+    """Raise CommandError for a terminal in line mode, which does not deliver all bytes."""
     with contextlib.suppress(termios.error, OSError):       # no terminal
         if termios.tcgetattr(file.fileno())[_LOCAL_MODES] & termios.ICANON:
             raise CommandError(f'{name} is a terminal that is not in raw mode: {remedy}')

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command `bahrs`: find the verb, run it, turn what goes wrong into one sentence."""
+"""The command `bahrs`: run a verb, and report errors in one sentence."""
 
 import argparse
 from importlib import import_module
@@ -19,8 +19,8 @@ from bahrs_driver.process.standard_streams import replace_closed_streams
 from bahrs_driver.ros.start import check_import, missing_module
 from bahrs_driver.settings.command_line import split
 
-# Each verb is the module of its name; only the one asked for is imported, so that those that
-# need no ROS work without it.
+# Each verb is the module of its name. Only the chosen module is imported: verbs that need no ROS
+# work without it.
 VERBS = {
     'convert': 'regenerate all topics from raw bytes',
     'decode': 'decode a recorded stream of bytes',
@@ -30,20 +30,20 @@ VERBS = {
     'nvm': 'read the non-volatile memory of a device, or show an image of it',
     'record': 'record the topics of the driver into a bag',
     'replay': 'play a recorded stream of bytes on a serial port',
-    'report': 'write a page about a recording, for people',
+    'report': 'write an HTML page about a recording',
 }
 
 IMPORT_RCLPY = ('convert', 'monitor', 'record')
-ROS_NODES = ('doctor', 'monitor', 'record')     # verbs that hand on what follows --ros-args
-LONGEST_ERROR = 2000        # characters; names of files in it may be long
-CLEAN_UP_TIME = 1.0         # s, for the nodes of these verbs at the end of the process
+ROS_NODES = ('doctor', 'monitor', 'record')     # verbs that pass --ros-args to ROS
+MAX_ERROR_LENGTH = 2000     # characters; names of files may be long
+CLEAN_UP_TIME = 1.0         # s for the nodes of verbs at the end of the process
 
 _STATUS = 'exit status'
-_EXIT_STATUS = (f'{_STATUS}: 0 if it is done, 1 if it cannot be done or something is wrong,\n'
-                '2 if the command line is, 130 at Ctrl-C')
+_EXIT_STATUS = (f'{_STATUS}: 0 on success, 1 if the verb fails or finds a problem, 2 for a wrong\n'
+                'command line, 130 at Ctrl-C')
 _EPILOG = f"""examples:
-  bahrs doctor                      find out why there is no data
-  bahrs monitor                     what the driver publishes, live
+  bahrs doctor                      diagnose missing data
+  bahrs monitor                     show the topics of the driver, live
   bahrs decode --help               each verb has examples
 
 {_EXIT_STATUS}
@@ -51,25 +51,25 @@ _EPILOG = f"""examples:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Shows what is wrong with a word of the command line in a way that is safe to show."""
+    """Reports errors of the command line in printable characters."""
 
     def error(self, message: str) -> NoReturn:
-        """Print the usage and what is wrong, and end with status 2."""
-        super().error(printable(message, LONGEST_ERROR))
+        """Print the usage and the error, and exit with status 2."""
+        super().error(printable(message, MAX_ERROR_LENGTH))
 
 
 def main(args: list[str] | None = None) -> int:
-    """Run one verb; 0 on success, 1 on failure, 2 on a mistake in the command line."""
+    """Run one verb; 0 on success, 1 on failure, 2 for a wrong command line."""
     if args is None:
         replace_closed_streams()
     words, for_ros = split(sys.argv[1:] if args is None else args)
-    if isinstance(sys.stdout, TextIOWrapper):       # the name of a file may be any bytes
+    if isinstance(sys.stdout, TextIOWrapper):       # names of files may be any bytes
         sys.stdout.reconfigure(errors='backslashreplace')
     verb = words[0] if words else ''
     status = _status(verb, words, for_ros)
     if args is None:
         ignore_signals()
-        if verb in ROS_NODES:           # whose nodes are destroyed only now
+        if verb in ROS_NODES:           # destroys their nodes
             exit_after(CLEAN_UP_TIME, status)
     return status
 
@@ -80,16 +80,17 @@ def _status(verb: str, words: list[str], for_ros: list[str]) -> int:
         interrupt_on_signals()
         return _run(verb, words, for_ros)
     except (CaptureError, CommandError, RosStartError, WriteError) as error:
-        print(f'bahrs {verb}: {printable(error, LONGEST_ERROR)}', file=sys.stderr)
+        print(f'bahrs {verb}: {printable(error, MAX_ERROR_LENGTH)}', file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:
-        # Whoever read our output has seen enough; let nothing complain at exit.
+        # The reader of the output has closed it: prevent an error at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:
-        print(f'bahrs {verb}: cannot go on: {printable(error.strerror or error)}', file=sys.stderr)
+        reason = printable(error.strerror or error)
+        print(f'bahrs {verb}: cannot continue: {reason}', file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
 
@@ -98,8 +99,8 @@ def _run(verb: str, words: list[str], for_ros: list[str]) -> int:
     options = _parser(verb).parse_args(words)
     options.ros_arguments = for_ros
     if len(for_ros) > 1 and verb not in ROS_NODES:
-        print(f'bahrs {verb}: {printable(" ".join(for_ros))} has no effect: this verb is no node '
-              'of ROS', file=sys.stderr)
+        print(f'bahrs {verb}: {printable(" ".join(for_ros))} has no effect: this verb is not a '
+              'ROS node', file=sys.stderr)
     status: int = options.run(options)
     sys.stdout.flush()
     return status

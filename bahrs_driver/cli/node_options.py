@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The options that say which driver a verb is about."""
+"""The options that select a driver."""
 
 import argparse
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from rclpy.validate_node_name import validate_node_name
 
 
 def add_node_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that say which driver is meant."""
+    """Add the options that select a driver."""
     parser.add_argument('--node', default='', metavar='NAME',
                         help='name of the driver, such as /left/bahrs_driver, or front in any '
                              'namespace (default: the only driver that runs)')
@@ -24,7 +24,7 @@ def add_node_options(parser: argparse.ArgumentParser) -> None:
 
 
 def selected_node(options: argparse.Namespace) -> Selection:
-    """Return which driver the options mean; CommandError if they contradict or are no names."""
+    """Return the selected driver; CommandError for invalid or contradictory options."""
     namespace = selected_namespace(options)
     if '/' not in options.node:
         if options.node:
@@ -43,7 +43,7 @@ def selected_node(options: argparse.Namespace) -> Selection:
 
 
 def selected_namespace(options: argparse.Namespace) -> str:
-    """Return the namespace that is asked for, / for the root; empty for any."""
+    """Return the selected namespace, / for the root; empty for any."""
     text = options.namespace
     if text is None:
         text = ros_arguments.namespace(options.ros_arguments)
@@ -51,20 +51,19 @@ def selected_namespace(options: argparse.Namespace) -> str:
 
 
 def several_nodes(names: Sequence[str]) -> CommandError:
-    """Return the error that the user must choose among several nodes."""
+    """Return the error for several matching nodes."""
     shown = [printable(name) for name in names]
     return CommandError(f'{", ".join(shown[:-1])} and {shown[-1]} run: choose one with --node '
                         f'{shown[0]}')
 
 
 def checked_namespace(text: str) -> str:
-    """Return a namespace as /left, or nothing for the outermost; CommandError if it is none."""
+    """Return a namespace such as /left, or '' for the root; CommandError if it is invalid."""
     name = text.strip('/')
     try:
         validate_namespace(f'/{name}')
     except (InvalidNamespaceException, TypeError, ValueError) as error:
-        raise CommandError(f'{text!r} is no namespace: it must be a name such as '
-                           '/left') from error
+        raise CommandError(f'{text!r} is not a namespace: write a name such as /left') from error
     return f'/{name}' if name else ''
 
 
@@ -72,5 +71,5 @@ def _check_node_name(text: str) -> None:
     try:
         validate_node_name(text)
     except (InvalidNodeNameException, TypeError, ValueError) as error:
-        raise CommandError(f'{text!r} is no name of a node: it must have letters, digits and _ '
-                           'only, after its namespace if that is given') from error
+        raise CommandError(f'{text!r} is not the name of a node: use letters, digits and _, '
+                           'after its namespace if you give one') from error

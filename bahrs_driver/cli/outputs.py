@@ -1,11 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Files that the user names for a verb to write.
+Open the output files that the user names.
 
-One rule for all verbs: a regular file, complete or not at all, never in place of another one
-without --force. "-" and /dev/stdout are standard output, /dev/null discards; no other
-device, FIFO or socket is written into.
+One rule for all verbs: an output is a regular file, complete or absent, and replaces another one
+only with --force. "-" and /dev/stdout are standard output, /dev/null discards; no other device,
+FIFO or socket is written.
 """
 
 import argparse
@@ -25,9 +25,9 @@ STANDARD_OUTPUT = ('-', '/dev/stdout')
 
 
 def add_force(parser: argparse.ArgumentParser) -> None:
-    """Add the option that allows to replace a file."""
+    """Add the option --force."""
     parser.add_argument('--force', action='store_true',
-                        help='replace a file that exists (default: refuse)')
+                        help='replace an existing file (default: refuse)')
 
 
 def is_standard_output(name: str) -> bool:
@@ -36,7 +36,7 @@ def is_standard_output(name: str) -> bool:
 
 
 def same_output(one: str, other: str | None) -> bool:
-    """Return whether two outputs, the second of which may be missing, would be one."""
+    """Return whether two outputs are the same file; the second may be None."""
     if other is None or os.devnull in (one, other):
         return False
     if is_standard_output(one) or is_standard_output(other):
@@ -59,10 +59,9 @@ def command_errors() -> Iterator[None]:
 @contextlib.contextmanager
 def output_file(name: str, force: bool) -> Iterator[ByteSink]:
     """
-    Yield what to write the bytes of a file to, which appears when the block ends.
+    Yield an output for bytes; the file appears when the block ends, unless it raises.
 
-    If the block raises, nothing is written. CommandError says why the file cannot be written; it
-    comes before the block if that is known then.
+    CommandError explains why the file cannot be written, before the block if possible.
     """
     with command_errors():
         if is_standard_output(name):
@@ -78,7 +77,7 @@ def output_file(name: str, force: bool) -> Iterator[ByteSink]:
 
 @contextlib.contextmanager
 def live_output(name: str, force: bool) -> Iterator[TextIO | LiveFile]:
-    """Yield what to write the text of a file to that others read meanwhile, or CommandError."""
+    """Yield an output for text that other programs read meanwhile; CommandError if it fails."""
     with command_errors():
         if is_standard_output(name):
             yield sys.stdout

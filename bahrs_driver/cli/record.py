@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""`bahrs record`: the driver's topics into a bag."""
+"""`bahrs record`: record the topics of the driver into a bag."""
 
 import argparse
 from collections.abc import Iterator
@@ -25,16 +25,16 @@ from bahrs_driver.ros.start_errors import start_errors
 from rich.console import Console
 from rich.markup import escape
 
-WRITE_PERIOD = 0.25             # s; a kill costs this and what the recorder holds back
-SYNC_PERIOD = 1.0               # s; the most that a loss of power costs, with what the disk holds
-PATIENCE = 5.0                  # s until the user is told that nothing is there to record
-FIRST_WAIT = 30.0       # s for the first message, if there is a duration
+WRITE_PERIOD = 0.25             # s; a killed recorder loses this and the messages it holds
+SYNC_PERIOD = 1.0               # s; a loss of power loses this and the cache of the disk
+NOTHING_TIMEOUT = 5.0           # s without a message, after which the reason is printed
+FIRST_WAIT = 30.0               # s for the first message, if there is a duration
 MEGABYTE = 1_000_000
 REPEATED = ('/diagnostics', '/rosout')      # topics whose first messages are no data
 
 _EXAMPLES = """examples:
   bahrs record                              all topics of the driver, until Ctrl-C
-  bahrs record --raw-only --output flight   only the bytes: convert them later
+  bahrs record --raw-only --output flight   only the bytes, to convert them later
   bahrs record --max-size 500 --duration 3600 --json
   ros2 bag play flight
 """
@@ -43,29 +43,29 @@ _EXAMPLES = """examples:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
-        'Record all topics of the driver into a rosbag2 directory (MCAP), those that appear\n'
-        'later, too. Whatever ends it, all but the last second can be read. Ctrl-C is the usual\n'
-        'way, with exit status 0.')
+        'Record all topics of the driver into a rosbag2 directory (MCAP), including those that\n'
+        'appear later. Even if it is killed, all but the last second can be read. Ctrl-C ends\n'
+        'the recording with exit status 0.')
     parser.epilog = _EXAMPLES
     parser.add_argument('-o', '--output', metavar='DIRECTORY',
-                        help='bag to make (default: bahrs_ and the time)')
+                        help='bag to create (default: bahrs_ and the time)')
     parser.add_argument('--raw-only', action='store_true',
-                        help='only the topic raw, which the driver publishes with '
-                             'publish.raw:=true; "bahrs convert" makes the others of it')
+                        help='record only the topic raw, which the driver publishes with '
+                             'publish.raw:=true; "bahrs convert" regenerates the others')
     parser.add_argument('--max-size', type=positive_float, default=math.inf, metavar='MB',
-                        help='begin another file at this size (default: never)')
+                        help='start another file at this size (default: never)')
     parser.add_argument('--max-duration', type=positive_float, default=math.inf, metavar='SECONDS',
-                        help='begin another file after this time (default: never)')
+                        help='start another file after this time (default: never)')
     parser.add_argument('--duration', type=positive_float, default=math.inf, metavar='SECONDS',
-                        help='end after this time of data, or if none comes for '
+                        help='end after this time of data, or if none arrives for '
                              f'{FIRST_WAIT:g} s (default: at Ctrl-C)')
     add_node_options(parser)
     parser.add_argument('--json', action='store_true',
-                        help='print what was recorded as a JSON object at the end')
+                        help='print the result as a JSON object at the end')
 
 
 def run(options: argparse.Namespace) -> int:
-    """Record until the time is up or a signal ends it; 1 if there was nothing, or no room."""
+    """Record until the duration is over or a signal arrives; 1 if the bag is empty."""
     selection = selected_node(options)
     failure = ''
     faults = FaultLog(lambda text: print(f'bahrs record: {text}', file=sys.stderr), str)
@@ -83,14 +83,14 @@ def run(options: argparse.Namespace) -> int:
             failure = str(error)
     _report(options, recorder, bag, failure)
     if failure:
-        raise CommandError(f'recording was stopped: {failure}; the bag has all that came before')
+        raise CommandError(f'recording stopped: {failure}; the bag has all earlier messages')
     if not bag.count:
         raise CommandError(f'{printable(bag.folder)} is empty: {_nothing(options, recorder)}')
     return 0
 
 
 def new_bag(output: str | None) -> BagWriter:
-    """Make the bag that is named, or one under a name that is free."""
+    """Create the named bag, or one under a free name."""
     base = output or time.strftime('bahrs_%Y_%m_%d-%H_%M_%S')
     for folder in chain([base], (f'{base}_{number}' for number in count(2))):
         try:
@@ -98,17 +98,18 @@ def new_bag(output: str | None) -> BagWriter:
         except TargetExists:
             if output:
                 raise
-    raise AssertionError('there are always more names')
+    raise AssertionError('names are endless')
 
 
 def _record(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
             ended: ShutdownEvent) -> None:
-    """Write what comes, until ended."""
-    begin = file_begin = synced = time.monotonic()
-    end, shown, empty = begin + max(options.duration, FIRST_WAIT), '', True
-    console, doing = Console(stderr=True), f'recording into {escape(printable(bag.folder))}'
+    """Write the messages that arrive, until the end."""
+    begin = time.monotonic()
+    end, empty = begin + max(options.duration, FIRST_WAIT), True
+    files = _Files(bag, options.max_size * MEGABYTE, options.max_duration, begin)
+    display = _Display(options, recorder, bag, begin)
     try:
-        with console.status(doing) as status:
+        with display:
             while not ended.wait(min(WRITE_PERIOD, max(0.0, end - time.monotonic()))):
                 now = time.monotonic()
                 if recorder.choice.several:
@@ -116,25 +117,61 @@ def _record(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
                 _write(recorder, bag, recorder.settled())
                 if empty and bag.count:
                     empty, end = False, now + options.duration
-                if now >= synced + SYNC_PERIOD:
-                    bag.sync()
-                    synced = now
-                if bag.size >= options.max_size * MEGABYTE or \
-                        now - file_begin >= options.max_duration:
-                    bag.split()
-                    file_begin = now
-                status.update(f'{doing}: {bag.count:,} messages of {len(bag.counts())} topics, '
-                              f'{now - begin:.0f} s')
-                if not bag.count and now - begin > PATIENCE:
-                    reason = _nothing(options, recorder)
-                    if reason != shown:
-                        console.print(escape(f'bahrs record: {reason}'), soft_wrap=True)
-                        shown = reason
+                files.update(now)
+                display.update(now)
                 if now >= end:
                     break
     finally:
         recorder.stop()
     _write(recorder, bag, None)
+
+
+class _Files:
+    """Syncs the file of a bag, and starts the next one at a size in bytes or an age in s."""
+
+    def __init__(self, bag: BagWriter, max_size: float, max_duration: float, now: float) -> None:
+        self._bag = bag
+        self._max_size, self._max_duration = max_size, max_duration
+        self._begin = self._synced = now
+
+    def update(self, now: float) -> None:
+        """Sync or split if due."""
+        if now >= self._synced + SYNC_PERIOD:
+            self._bag.sync()
+            self._synced = now
+        if self._bag.size >= self._max_size or now - self._begin >= self._max_duration:
+            self._bag.split()
+            self._begin = now
+
+
+class _Display:
+    """Shows the progress of a recording, and why there is none."""
+
+    def __init__(self, options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
+                 begin: float) -> None:
+        self._options, self._recorder, self._bag, self._begin = options, recorder, bag, begin
+        self._console, self._shown = Console(stderr=True), ''
+        self._title = f'recording into {escape(printable(bag.folder))}'
+        self._status = self._console.status(self._title)
+
+    def __enter__(self) -> None:
+        """Show the display."""
+        self._status.start()
+
+    def __exit__(self, *_: object) -> None:
+        """Remove the display."""
+        self._status.stop()
+
+    def update(self, now: float) -> None:
+        """Show the present counts, and a reason for an empty bag once."""
+        bag = self._bag
+        self._status.update(f'{self._title}: {bag.count:,} messages of {len(bag.counts())} '
+                            f'topics, {now - self._begin:.0f} s')
+        if not bag.count and now - self._begin > NOTHING_TIMEOUT:
+            reason = _nothing(self._options, self._recorder)
+            if reason != self._shown:
+                self._console.print(escape(f'bahrs record: {reason}'), soft_wrap=True)
+                self._shown = reason
 
 
 def _write(recorder: Recorder, bag: BagWriter, until: int | None) -> None:
@@ -147,7 +184,7 @@ def _write(recorder: Recorder, bag: BagWriter, until: int | None) -> None:
 
 
 def _nothing(options: argparse.Namespace, recorder: Recorder) -> str:
-    """Return why nothing comes."""
+    """Return why no message arrives."""
     if not recorder.node_seen:
         return f'there is no {recorder.choice.selection}: start the driver, or name it with --node'
     if options.raw_only:
@@ -169,21 +206,21 @@ def _report(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
         return
     for topic, number in sorted(counts.items()):
         print(f'{printable(topic):<32}{number:>12,}')
-    for sentence in _complaints(recorder):
+    for sentence in _warnings(recorder):
         print(f'bahrs record: {sentence}', file=sys.stderr)
     if counts and not any(topic.endswith(f'/{RAW}') for topic in counts):
-        print(f'without {RAW} it cannot be converted later: start the driver with '
-              '-p publish.raw:=true for that', file=sys.stderr)
+        print(f'this bag cannot be converted later, without {RAW}: start the driver with '
+              '-p publish.raw:=true', file=sys.stderr)
 
 
-def _complaints(recorder: Recorder) -> Iterator[str]:
-    """Return what the user should know of the bag."""
+def _warnings(recorder: Recorder) -> Iterator[str]:
+    """Yield sentences about messages missing from the bag."""
     missed = sum(number for topic, number in recorder.missed.items() if topic not in REPEATED)
     if missed:
-        yield (f'{missed} messages were published before driver and recorder had found each '
-               'other: start the driver with -p startup.wait_for_subscribers:=10')
+        yield (f'{missed} messages were published before driver and recorder were connected: '
+               'start the driver with -p startup.wait_for_subscribers:=10')
     if recorder.lost:
-        yield f'{recorder.lost} messages were lost on the way: the machine is too busy'
+        yield f'{recorder.lost} messages were lost in transport: the machine is too busy'
     if recorder.dropped:
         yield (f'{recorder.dropped} messages were not written: the disk is too slow, choose '
                'another, or record with --raw-only')

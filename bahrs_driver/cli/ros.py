@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""How verbs that are nodes of ROS start and end."""
+"""Start and stop ROS for verbs that are nodes."""
 
 import argparse
 from collections.abc import Callable, Iterator
@@ -19,11 +19,11 @@ _kept: list[object] = []
 @contextlib.contextmanager
 def ros_session(options: argparse.Namespace) -> Iterator[Callable[[T], T]]:
     """
-    Run a block with ROS initialised by the words after --ros-args; RosStartError if it cannot.
+    Run a block with ROS initialized by the words after --ros-args; RosStartError if it fails.
 
-    The block gets a function that keeps what has a node until the process ends: destroying a node
-    may hang after the host clock was set back, and main() limits only the time of that end. Verbs
-    write no log files: each run would leave one, empty.
+    The block gets a function that keeps an object with a node until the process ends: destroying a
+    node may hang after the host clock was set back, and main() limits only the time of the exit.
+    Verbs write no log files: each run would leave an empty one.
     """
     with start_errors(options.ros_arguments):
         init_ros(options.ros_arguments, log_files=False)

@@ -1,11 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Which signals end a verb.
+Install handlers for the signals that end a verb.
 
-A shell that runs a script starts commands in the background with SIGINT ignored, and Python
-leaves an ignored signal so. A signal sent to a verb is meant to end it, so handlers are installed
-whatever was inherited. Only a hang-up that is ignored stays so: nohup does that on purpose.
+A shell that runs a script starts commands in the background with SIGINT ignored, and Python does
+not change an ignored signal. A signal sent to a verb should end it, so handlers replace inherited
+ones. Only an ignored hang-up stays ignored: nohup relies on it.
 """
 
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ from bahrs_driver.process.shutdown_event import handled_signals, ignore_signals,
 
 
 def interrupt_on_signals() -> None:
-    """Let each signal that ends a verb raise KeyboardInterrupt, so that all tidy up alike."""
+    """Raise KeyboardInterrupt for each signal that ends a verb: all clean up alike."""
     for kind in handled_signals():
         signal.signal(kind, signal.default_int_handler)
 
@@ -24,7 +24,7 @@ def interrupt_on_signals() -> None:
 @contextlib.contextmanager
 def shutdown_on_signal() -> Iterator[ShutdownEvent]:
     """
-    Let signals set an event for the length of a block, so that they interrupt nothing.
+    Yield an event that signals set during the block, instead of an interruption.
 
     Once it is set the program ends, and further signals are ignored.
     """

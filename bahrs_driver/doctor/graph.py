@@ -77,7 +77,7 @@ def _shared_names(node: Node, drivers: dict[str, list[str]]) -> Iterator[CheckRe
     for name in drivers:
         if count[name] > 1:
             yield problem('driver', f'{count[name]} nodes are named {name}: their diagnostics '
-                                    'cannot be told apart', f'{RUN_DRIVER} --ros-args '
+                                    'cannot be distinguished', f'{RUN_DRIVER} --ros-args '
                                     '-r __node:=other')
 
 

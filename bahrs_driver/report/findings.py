@@ -25,7 +25,8 @@ RATE_TOLERANCE = 0.02
 def findings(recording: Recording, analysis: ClockAnalysis | None) -> list[Finding]:
     """Return all findings, the worst first."""
     found = [*_framing(recording), *_breaks(recording), *_rates(recording),
-             *integrity_findings(recording), *_saturation(recording), *_clock(recording, analysis),
+             *integrity_findings(recording), *_saturation(recording),
+             *_time_messages(recording), *(_clock(analysis) if analysis else ()),
              *_device(recording), *(Finding(WARNING, printable(note)) for note in recording.notes)]
     return sorted(found, key=lambda finding: list(Severity).index(finding.level))
 
@@ -135,7 +136,7 @@ def _at_limit(where: Array, name: str) -> Iterator[Finding]:
                                'the true value is larger.')
 
 
-def _clock(recording: Recording, analysis: ClockAnalysis | None) -> Iterator[Finding]:
+def _time_messages(recording: Recording) -> Iterator[Finding]:
     axis = recording.time_axis
     if axis.label_ahead is None:
         yield Finding(WARNING, 'There is no inertial time message: the times of samples are '
@@ -148,8 +149,9 @@ def _clock(recording: Recording, analysis: ClockAnalysis | None) -> Iterator[Fin
     else:
         yield Finding(WARNING, f'Time messages name a sample {axis.label_ahead} ahead of the one '
                                'just sent, which no known device does.')
-    if analysis is None:
-        return
+
+
+def _clock(analysis: ClockAnalysis) -> Iterator[Finding]:
     if analysis.drift_ppm is not None and abs(analysis.drift_ppm) > DRIFT_LIMIT:
         yield Finding(WARNING, f"The device's clock drifts {analysis.drift_ppm:+.1f} ppm against "
                                f"the host's, more than {DRIFT_LIMIT:.0f}: one of them is "

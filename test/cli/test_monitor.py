@@ -114,13 +114,13 @@ def test_several_drivers():
 
 
 @pytest.mark.parametrize('options, sentence', [
-    (['--node', 'no body'], "'no body' is no name of a node"),
-    (['--node', '/'], "'' is no name of a node"),
-    (['--node', '/no body/front'], "'/no body' is no namespace"),
+    (['--node', 'no body'], "'no body' is not the name of a node"),
+    (['--node', '/'], "'' is not the name of a node"),
+    (['--node', '/no body/front'], "'/no body' is not a namespace"),
     (['--node', '/left/front', '--namespace', '/right'],
      '--node /left/front is not in --namespace /right'),
-    (['--node', '\udcff'], r"'\udcff' is no name of a node"),
-    (['--namespace', '\udcff'], r"'\udcff' is no namespace"),
+    (['--node', '\udcff'], r"'\udcff' is not the name of a node"),
+    (['--namespace', '\udcff'], r"'\udcff' is not a namespace"),
 ])
 def test_names_that_are_none(options, sentence):
     """One sentence each."""
@@ -132,7 +132,7 @@ def test_names_that_are_none(options, sentence):
 def test_a_namespace_that_is_none():
     """One sentence."""
     assert run_bahrs('monitor', '--namespace', 'no body') == (
-        1, '', "bahrs monitor: 'no body' is no namespace: it must be a name such as /left\n")
+        1, '', "bahrs monitor: 'no body' is not a namespace: write a name such as /left\n")
 
 
 def test_a_domain_that_is_none(monkeypatch):

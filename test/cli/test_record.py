@@ -126,7 +126,7 @@ def test_no_room(flying, tmp_path):
         assert wait_for(lambda: size(bag) > 0, LONG)
         resource.prlimit(recorder.pid, resource.RLIMIT_FSIZE, (300_000, 300_000))
         assert recorder.wait(LONG) == 1
-    assert 'recording was stopped: cannot write' in recorder.text
+    assert 'recording stopped: cannot write' in recorder.text
     assert 'Traceback' not in recorder.text
     assert counted(bag)['/imu/data_raw'] > 0
 
@@ -185,8 +185,8 @@ def test_a_driver_without_raw(tmp_path):
 def test_bad_options(tmp_path):
     """Each is refused with a sentence."""
     for words, sentence in ((['--max-size', '0'], 'not more than 0'),
-                            (['--namespace', 'a b'], "'a b' is no namespace"),
-                            (['--node', 'a b'], "'a b' is no name of a node"),
+                            (['--namespace', 'a b'], "'a b' is not a namespace"),
+                            (['--node', 'a b'], "'a b' is not the name of a node"),
                             (['-o', str(tmp_path)], 'exists already')):
         status, out, error = run_bahrs('record', *words)
         assert status in (1, 2) and out == '' and sentence in error

@@ -141,7 +141,7 @@ def test_no_room(flight, capsys, tmp_path, verb):
         sentence = refused(flight, capsys, *EVERY_VERB[verb], tmp_path / 'target')
     assert f'cannot write {tmp_path}/target' in sentence
     assert 'File too large: choose another directory' in sentence
-    assert '.partial' not in sentence and 'all that came before' not in sentence
+    assert '.partial' not in sentence and 'all earlier messages' not in sentence
     assert set(os.listdir(tmp_path)) <= ({'target'} if verb == 'emulate --truth' else set())
 
 
