@@ -39,11 +39,12 @@ DIRECTORIES = {'golden': {'unit', 'slow'}, 'lint': {'unit'}}
 
 
 def pytest_collection_modifyitems(items: list[Any]) -> None:
-    """Mark each test with what it needs, and run first what mostly waits."""
+    """Mark each test with what it needs; run first what waits, then what takes long."""
     for item in items:
         for name in markers(item.module):
             item.add_marker(name)
-    items.sort(key=lambda item: item.get_closest_marker('process') is None)
+    items.sort(key=lambda item: [item.get_closest_marker(name) is None
+                                 for name in ('process', 'slow')])
 
 
 def markers(module: ModuleType) -> set[str]:
