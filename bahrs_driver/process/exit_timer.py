@@ -38,7 +38,7 @@ def exit_after(seconds: float, status: int = 0) -> None:
     libc = ctypes.CDLL(None, use_errno=True)
     timer = ctypes.c_void_p()
     event = _SigEvent(value=status, notify=_SIGEV_THREAD,
-                      function=ctypes.cast(libc._exit, ctypes.c_void_p))
+                      function=ctypes.cast(libc['_exit'], ctypes.c_void_p))
     whole, nanoseconds = divmod(max(1, round(seconds * NS_PER_S)), NS_PER_S)
     if libc.timer_create(time.CLOCK_MONOTONIC, ctypes.byref(event), ctypes.byref(timer)) or \
             libc.timer_settime(timer, 0, ctypes.byref(_TimerSpec(0, 0, whole, nanoseconds)),
