@@ -18,7 +18,7 @@ from support.targets import (
 
 
 def test_nothing_is_seen_before_the_file_is_complete(tmp_path):
-    """Neither beside an older file nor in an empty directory, and nothing else is left."""
+    """Neither beside an existing file nor in an empty directory."""
     path = tmp_path / 'file'
     for replace, before in ((False, None), (True, b'first')):
         with atomic_file(path, replace) as file:
@@ -39,7 +39,7 @@ def test_a_file_that_is_not_committed_leaves_nothing(tmp_path):
 
 @pytest.mark.parametrize('mask', [0o022, 0o077, 0o002])
 def test_modes_honour_the_umask(tmp_path, mask):
-    """As those of every file that is simply opened do."""
+    """Like the mode of any file that is opened."""
     with umask(mask):
         write_atomic(tmp_path / 'file', b'')
     assert stat.S_IMODE((tmp_path / 'file').stat().st_mode) == 0o666 & ~mask
@@ -48,7 +48,7 @@ def test_modes_honour_the_umask(tmp_path, mask):
 @pytest.mark.parametrize('kind', EVERY_KIND)
 @pytest.mark.parametrize('replace', [False, True])
 def test_only_regular_files_are_replaced_and_only_on_demand(tmp_path, kind, replace):
-    """Whatever else is there stays as it is; a link to a file still leads to it."""
+    """Everything else in the directory stays; a link still leads to its file."""
     path = tmp_path / 'target'
     EVERY_KIND[kind](path)
     before = snapshot(tmp_path)
@@ -76,7 +76,7 @@ def test_paths_that_cannot_be_written(tmp_path, kind, monkeypatch):
 
 
 def test_a_directory_that_may_not_be_written_into():
-    """It is found out when the file is created, before there is any data."""
+    """The error comes when the file is created, before there is data."""
     with tempfile.TemporaryDirectory() as top:
         os.chmod(top, 0o555)
         with unprivileged(), pytest.raises(WriteError, match='Permission denied: choose another'):
@@ -115,7 +115,7 @@ def test_what_appears_at_the_target_meanwhile_stays(tmp_path, kind, replace):
 
 
 def test_of_two_that_write_one_file_one_is_refused(tmp_path):
-    """However many try, without a word to replace: the first stays complete."""
+    """Many writers without replace: the first file stays complete."""
     path, refused = tmp_path / 'file', []
     start = threading.Barrier(8)
 
@@ -157,7 +157,7 @@ def test_inside_a_directory_only(tmp_path):
     '../outside', 'sub/../../outside', '/etc/outside', 'out/outside', 'sub/out/outside', '/',
     '/dev/ttyS0', '..', '', '.', 'sub', 'target_link', 'missing/a', 'a\0b', 'x' * 300])
 def test_what_leads_out_of_the_directory(tmp_path, path):
-    """Refused, and so is a link in place of the target, wherever it leads."""
+    """It is refused, and so is a link in place of the target."""
     root = tmp_path / 'root'
     (root / 'sub').mkdir(parents=True)
     (root / 'out').symlink_to(tmp_path)
@@ -190,7 +190,7 @@ PARTS = strategies.sampled_from([
 
 @given(strategies.lists(PARTS, max_size=6), strategies.booleans(), strategies.booleans())
 def test_no_path_leads_out_or_raises_anything_else(parts, absolute, replace):
-    """Whatever it is made of: at most a file inside is new or replaced."""
+    """For any path: at most one file inside is new or replaced."""
     with tempfile.TemporaryDirectory() as name:
         top = Path(name).resolve()
         root = top / 'root'

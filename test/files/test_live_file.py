@@ -25,7 +25,7 @@ def test_others_read_it_meanwhile(tmp_path):
 @pytest.mark.parametrize('kind', EVERY_KIND)
 @pytest.mark.parametrize('replace', [False, True])
 def test_only_regular_files_are_replaced_and_only_on_demand(tmp_path, kind, replace):
-    """No other thing is opened at all."""
+    """Nothing else is opened."""
     path = tmp_path / 'target'
     EVERY_KIND[kind](path)
     before = snapshot(tmp_path)
@@ -49,7 +49,7 @@ def test_paths_that_cannot_be_written(tmp_path, kind, monkeypatch):
 
 
 def test_no_room(tmp_path):
-    """Writing, flushing and closing say so."""
+    """Writing, flushing and closing raise WriteError."""
     file = LiveFile(tmp_path / 'file')
     with no_larger_file_than(10):
         file.write('more than ten characters')

@@ -30,7 +30,7 @@ def test_it_appears_at_the_end_of_the_block(tmp_path, name):
 
 
 def test_nothing_remains_of_a_block_that_raises(tmp_path):
-    """What others have put there stays, whatever it is called."""
+    """Files of other programs stay."""
     (tmp_path / '.out.partial').mkdir()
     (tmp_path / '.out.partial' / 'kept').touch()
     before = snapshot(tmp_path)
@@ -48,7 +48,7 @@ def test_nothing_remains_of_a_block_that_raises(tmp_path):
 
 @pytest.mark.parametrize('kind', EVERY_KIND)
 def test_what_exists_is_left_alone(tmp_path, kind):
-    """Before the block and when it has come meanwhile; an empty directory, too."""
+    """Before the block and after it; an empty directory, too."""
     target = tmp_path / 'out'
     EVERY_KIND[kind](target)
     before = snapshot(tmp_path)
@@ -66,7 +66,7 @@ def test_what_exists_is_left_alone(tmp_path, kind):
 
 
 def test_two_at_once(tmp_path):
-    """The first that is ready has its files; the other is refused, and takes nothing away."""
+    """The first to finish has its files; the other one is refused, and removes nothing."""
     with pytest.raises(TargetExists), new_directory(tmp_path / 'out') as slow:
         fill(slow)
         with new_directory(tmp_path / 'out') as fast:
@@ -87,7 +87,7 @@ def test_paths_that_cannot_be_made(tmp_path, kind, monkeypatch):
 
 
 def test_a_directory_that_may_not_be_written_into(tmp_path_factory):
-    """Found out before the work begins."""
+    """The error comes before the work begins."""
     top = tmp_path_factory.mktemp('closed')
     for path in (top, top.parent, top.parent.parent):
         path.chmod(0o755)

@@ -63,7 +63,7 @@ def clock_topic(ear, period):
 
 @pytest.mark.parametrize('clock', ['none', 'runs', 'stops'])
 def test_simulated_time(cable, clock):
-    """Data and diagnostics have the host's time, one warning says so, and a signal ends it."""
+    """Data and diagnostics have the time of the host, with one warning; a signal ends the node."""
     with listening({**TOPICS, **DIAGNOSTICS}) as ear, contextlib.ExitStack() as stack:
         timer = clock != 'none' and stack.enter_context(clock_topic(ear, 0.05))
         with driver(cable.path, use_sim_time=True) as node:
@@ -81,7 +81,7 @@ def test_simulated_time(cable, clock):
 
 
 def test_simulated_time_cannot_be_set_at_run_time(cable):
-    """The answer says why; setting what it is already changes nothing."""
+    """The response has the reason; setting the present value changes nothing."""
     with listening({**TOPICS, **DIAGNOSTICS}) as ear, driver(cable.path) as node, Device(cable):
         for value, successful in ((True, False), (False, True)):
             result = set_parameter(ear, 'use_sim_time', ParameterValue(
@@ -110,7 +110,7 @@ def test_a_parameter_of_an_undefined_type(cable):
 
 
 def test_the_host_clock_is_set_back(cable, tmp_path):
-    """Diagnostics go on with the new time, a silent device is reported, Ctrl-C ends the node."""
+    """Diagnostics continue with the new time, silence is reported, Ctrl-C ends the node."""
     clock = SettableClock(tmp_path)
     with listening({**TOPICS, **DIAGNOSTICS}) as ear, clock.used(), driver(cable.path) as node:
         with Device(cable):
@@ -126,7 +126,7 @@ def test_the_host_clock_is_set_back(cable, tmp_path):
 
 @pytest.mark.parametrize('kind', [signal.SIGTERM, signal.SIGHUP])
 def test_other_signals_after_the_host_clock_is_set_back(cable, tmp_path, kind):
-    """They end the node, too, while data arrives and after it has."""
+    """They end the node, too, while data arrives and afterwards."""
     clock = SettableClock(tmp_path)
     with listening({**TOPICS, **DIAGNOSTICS}) as ear, clock.used(), driver(cable.path) as node:
         with Device(cable):
@@ -139,7 +139,7 @@ def test_other_signals_after_the_host_clock_is_set_back(cable, tmp_path, kind):
 
 
 def test_the_host_clock_is_set_back_without_a_port(tmp_path):
-    """Nothing but the clock of the node could wake it."""
+    """Only the clock of the node could wake it."""
     clock = SettableClock(tmp_path)
     with listening(DIAGNOSTICS) as ear, clock.used(), driver(str(tmp_path / 'none')) as node:
         ear.wait('/diagnostics')
@@ -150,6 +150,6 @@ def test_the_host_clock_is_set_back_without_a_port(tmp_path):
 
 @pytest.mark.slow
 def test_signals_at_random_moments(tmp_path):
-    """Status 0 and no traceback, whatever the node was doing; `bench/exits.py` counts to 300."""
+    """Status 0 and no traceback at any moment; `bench/exits.py` starts 300 nodes."""
     for each in random_starts(9, SettableClock(tmp_path), seed=4):
         assert each.status == 0 and 'Traceback' not in each.text, each

@@ -50,7 +50,7 @@ def flip_in_three_of_ten(data, index):
 
 
 def test_a_healthy_device_is_ok_in_every_task(cable):
-    """And nothing is missing from its rates."""
+    """Its rates are complete."""
     with listening(DIAGNOSTICS) as ear, driver(cable.path), Device(cable):
         for task in TASKS:
             assert says(ear, task, OK, ''), status(ear, task)
@@ -77,7 +77,7 @@ FAULTS = {
 
 @pytest.mark.parametrize('fault', FAULTS)
 def test_each_fault_has_its_own_message(cable, fault):
-    """A distinct, plain one, that says what to do."""
+    """A distinct message with the remedy."""
     change, task, level, words = FAULTS[fault]
     with listening(DIAGNOSTICS) as ear, driver(cable.path), Device(cable, change=change):
         assert says(ear, task, level, words), status(ear, task)
@@ -104,7 +104,7 @@ def test_a_forbidden_port():
 
 @pytest.mark.slow
 def test_lost_frames_are_counted_right(tmp_path):
-    """As many as the emulator dropped, one in a hundred, through several turns of the counters."""
+    """As many as the emulator dropped, one in a hundred, over several turns of the counters."""
     port, file, truth = str(tmp_path / 'port'), tmp_path / 'flight.bin', tmp_path / 'truth.jsonl'
     assert main(['emulate', '--output', str(file), '--truth', str(truth), '--duration', '9',
                  '--fault', 'drop_frame=0.01']) == 0
@@ -143,7 +143,7 @@ def losses(truth):
 
 
 def test_the_device_gives_its_name(cable):
-    """Project code and unique number, once they were heard."""
+    """Project code and unique number, once they were received."""
     with listening(DIAGNOSTICS) as ear, driver(cable.path):
         assert wait_for(lambda: cable.is_open)
         with Device(cable):
@@ -159,7 +159,7 @@ def test_the_device_gives_its_name(cable):
 
 
 def test_a_project_code_that_commands_terminals(cable):
-    """It is written out."""
+    """The message has it."""
     with listening(DIAGNOSTICS) as ear, driver(cable.path):
         assert wait_for(lambda: cable.is_open)
         with Device(cable):
@@ -178,7 +178,7 @@ def test_a_project_code_that_commands_terminals(cable):
     (['-p', 'diagnostics.qualified_name:=true', '-r', '__ns:=/left'], '/left/bahrs_driver'),
 ])
 def test_names_are_those_of_the_node(cable, words, name):
-    """Fully qualified in a namespace, so that every driver has its own."""
+    """Fully qualified in a namespace: every driver has its own names."""
     with listening(DIAGNOSTICS) as ear, running(
             'driver_node', '--ros-args', '-p', f'port:={cable.path}', *words):
         (first, *_) = ear.wait('/diagnostics')
@@ -186,7 +186,7 @@ def test_names_are_those_of_the_node(cable, words, name):
 
 
 def test_which_signals_are_affected_is_reported_at_once(cable):
-    """Though the level stays; once a second, this would take four times as long as it may."""
+    """Even if the level stays; a report each second would take four times the limit."""
     affected, turns = [0], 40
     signals = ['pressure_height', 'velocity_down', 'roll', 'pitch', 'magnetic_heading']
 
@@ -204,7 +204,7 @@ def test_which_signals_are_affected_is_reported_at_once(cable):
 
 
 def test_what_changes_with_every_sample_is_reported_twenty_times_a_second(cable):
-    """And the last state in the end."""
+    """The last report has the last state."""
     still = [False]
 
     def health(index):

@@ -44,7 +44,7 @@ PLACES = {
 
 @contextlib.contextmanager
 def failing_driver(port, place):
-    """Run a node in which one place fails again and again, once all is under way."""
+    """Run a node in which one function fails repeatedly after the start."""
     imports, name, error = PLACES[place]
     every = 2 if place == 'watching the clock' else 7       # that is called 5 times a second
     code = START.format(imports=imports, name=name, error=error, every=every,
@@ -58,7 +58,7 @@ def failing_driver(port, place):
 
 @pytest.mark.parametrize('place', PLACES)
 def test_the_data_goes_on(cable, place):
-    """Without what failed; the log has a line for each kind, and the diagnostics count."""
+    """Only failed messages are missing; the log has a line per kind, and diagnostics count."""
     with listening({**TOPICS, **DIAGNOSTICS}) as ear, failing_driver(cable.path, place) as node, \
             Device(cable):
         ear.wait('imu/data_raw', 100)

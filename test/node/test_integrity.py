@@ -60,10 +60,10 @@ class Scenario:
 
 
 class Notices:
-    """What the topic `integrity` said, to be asked for any time."""
+    """The notices on the topic `integrity`, by time."""
 
     def __init__(self, messages):
-        """Take all notices."""
+        """Store all notices."""
         self._times = [nanoseconds(message) for message in messages]
         self._states = [{status.name: status.message for status in message.status}
                         for message in messages]
@@ -73,7 +73,7 @@ class Notices:
         return self._states[bisect_right(self._times, time) - 1]
 
     def __len__(self):
-        """Return how many there were."""
+        """Return their number."""
         return len(self._times)
 
 
@@ -96,7 +96,7 @@ def test_every_sample_says_what_the_device_said_of_it(cable, version):
 
 
 def came(imu, index):
-    """Whether this is message number so-and-so of the device, or a later one."""
+    """Return whether this is the message with this number, or a later one."""
     return not math.isnan(imu.linear_acceleration.x) and number(imu) >= index
 
 
@@ -106,7 +106,7 @@ def number(imu):
 
 
 def sources(heard, first, sent, published):
-    """Return pairs of what was heard on a topic from its first message on, and its source."""
+    """Return pairs of a message on a topic, from the first one on, and its source."""
     sent = sent[first:]
     pairs = list(zip(heard, [message for message in sent if published(message)]))
     assert len(pairs) > 0.3 * len(sent)
@@ -256,7 +256,7 @@ def delay(ear, change):
 
 
 def test_a_silent_device_leaves_no_signal_safe(cable):
-    """A late joiner is not told what once was, and every sample keeps what it was worth."""
+    """A late subscriber receives no old state, and each sample keeps its integrity."""
     def known():
         notices = ear.heard['integrity']
         return notices and {item.message for item in notices[-1].status}
@@ -273,7 +273,7 @@ def test_a_silent_device_leaves_no_signal_safe(cable):
 
 
 def test_a_lost_cable_leaves_no_signal_safe(tmp_path):
-    """The notice says so, and so do the diagnostics."""
+    """The notice and the diagnostics report it."""
     topics = {**TOPICS, **DIAGNOSTICS}
     # By a link, for the number of a pseudo-terminal that is gone is given to the next that asks.
     link = str(tmp_path / 'port')

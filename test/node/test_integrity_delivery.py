@@ -37,13 +37,13 @@ def letters(number):
 
 
 def heard(ear):
-    """Return the states that this process has heard."""
+    """Return the states that this process has received."""
     return [''.join(status.message[0] for status in notice.status[-SIGNALS:])
             for notice in ear.heard['integrity']]
 
 
 def join_late():
-    """Return the first state that a late joiner gets, and end it."""
+    """Return the first state that a late subscriber receives, and end it."""
     late = Process([*SUBSCRIBER, '--once'])
     late.wait()
     return late.text.split()[0]
@@ -51,7 +51,7 @@ def join_late():
 
 @pytest.fixture
 def changing(cable):
-    """Yield an ear, and a function that changes the integrity and waits until it is heard."""
+    """Yield a listener, and a function that changes the integrity and waits for its notice."""
     health = Numbered()
 
     def change():
@@ -74,7 +74,7 @@ def test_the_first_message_of_a_late_joiner_is_the_present_state(changing):
 
 
 def test_a_subscriber_that_is_stopped_loses_no_change(changing):
-    """Nor does it hold up others, nor leave late joiners an obsolete state."""
+    """It neither delays other subscribers, nor leaves an obsolete state to late ones."""
     ear, change = changing
     stopped = Process(SUBSCRIBER)
     try:
@@ -97,7 +97,7 @@ def test_a_subscriber_that_is_stopped_loses_no_change(changing):
 
 
 def test_stamps_never_decrease_over_silence_and_lost_links(cable):
-    """From the first notice on, whichever message the stream begins with."""
+    """From the first notice on, for any first message of the stream."""
     with listening(TOPICS) as ear, driver(cable.path, diagnostics__silence_timeout=0.3):
         for start in range(1, 4):
             with Device(cable, health=Numbered()):

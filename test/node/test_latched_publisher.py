@@ -10,21 +10,21 @@ import pytest
 
 
 class Subscriber:
-    """Receives at once unless it is stopped; then only what the publisher has kept."""
+    """Receives at once unless it is stopped; afterwards only messages that the publisher kept."""
 
     def __init__(self):
         self.received, self.stopped = [], False
 
 
 class Publisher:
-    """A history of a depth, which is kept for subscribers that are stopped."""
+    """A publisher with a history of a depth for stopped subscribers."""
 
     def __init__(self, depth, subscribers):
         self._depth, self.subscribers = depth, subscribers
         self.history, self.destroyed, self.missed = [], False, {}
 
     def publish(self, message):
-        """Send to those that run, and keep."""
+        """Send a message to running subscribers, and keep it."""
         assert not self.destroyed
         self.history = [*self.history, message][-self._depth:]
         for subscriber in self.subscribers:
@@ -34,12 +34,12 @@ class Publisher:
                 subscriber.received.append(message)
 
     def wait_for_all_acked(self, timeout):
-        """Return whether nobody has missed anything."""
+        """Return whether no subscriber has missed a message."""
         assert timeout.nanoseconds == 0
         return not self.missed
 
     def deliver(self):
-        """Send what was missed, and is kept, to those that run again."""
+        """Send missed messages that are kept to subscribers that run again."""
         for subscriber in [one for one in self.missed if not one.stopped]:
             missed = self.missed.pop(subscriber)
             subscriber.received += [message for message in missed if message in self.history]
@@ -63,7 +63,7 @@ class Middleware:
         return self.publishers[-1]
 
     def destroy(self, publisher):
-        """Take a publisher away."""
+        """Remove a publisher."""
         publisher.destroyed = True
         self.publishers.remove(publisher)
 
@@ -73,7 +73,7 @@ class Middleware:
         self.count += 1
 
     def pass_time(self, seconds=2 * PATIENCE):
-        """Let time go by, with the calls that the node makes."""
+        """Let time pass, with the calls of the node."""
         self.now += seconds
         for publisher in self.publishers:
             publisher.deliver()
@@ -81,16 +81,16 @@ class Middleware:
         self.latched.supervise()
 
     def set_stopped(self, number, stopped):
-        """Stop a subscriber, or let it go on."""
+        """Stop or continue a subscriber."""
         self.subscribers[number].stopped = stopped
 
     def late_joiner(self):
-        """Return what a subscriber gets that comes now."""
+        """Return the messages for a subscriber that starts now."""
         return [message for publisher in self.publishers for message in publisher.history]
 
 
 def test_a_late_joiner_gets_the_present_state_only():
-    """And a live subscriber every change, by one publisher."""
+    """A live subscriber receives every change, from one publisher."""
     topic = Middleware()
     for _ in range(5):
         topic.change()
@@ -100,7 +100,7 @@ def test_a_late_joiner_gets_the_present_state_only():
 
 
 def test_a_change_waits_until_the_one_before_is_acknowledged():
-    """For a moment, and no second publisher is made for that."""
+    """For a moment, without a second publisher."""
     topic = Middleware()
     subscriber, = topic.subscribers
     subscriber.stopped = True
@@ -114,7 +114,7 @@ def test_a_change_waits_until_the_one_before_is_acknowledged():
 
 
 def test_a_subscriber_that_is_stopped_loses_nothing_and_holds_up_nobody():
-    """What it missed is kept in order; afterwards a late joiner gets the present state alone."""
+    """Missed states are kept in order; afterwards a late subscriber receives the latest alone."""
     topic = Middleware(subscribers=2)
     stopped, running = topic.subscribers
     topic.change()
@@ -132,7 +132,7 @@ def test_a_subscriber_that_is_stopped_loses_nothing_and_holds_up_nobody():
 
 
 def test_nothing_waits_without_end_if_it_is_not_supervised():
-    """The oldest changes are given up for the one that is stopped."""
+    """The stopped subscriber loses the oldest changes."""
     topic = Middleware(subscribers=2)
     stopped, running = topic.subscribers
     stopped.stopped = True
@@ -144,7 +144,7 @@ def test_nothing_waits_without_end_if_it_is_not_supervised():
 
 @pytest.mark.parametrize('wait', [True, False])
 def test_an_ordinary_publisher_on_request(wait):
-    """One whose history the user has chosen keeps all changes, and none waits."""
+    """With a history chosen by the user all changes are kept, and none waits."""
     topic = Middleware(wait=wait)
     topic.subscribers[0].stopped = True
     topic.change()
@@ -162,7 +162,7 @@ EVENTS = {
 
 @given(st.lists(st.sampled_from(sorted(EVENTS)), max_size=BACKLOG))
 def test_no_change_is_lost_and_the_last_message_is_the_present_state(events):
-    """Whoever stops and goes on, whenever."""
+    """Any subscriber stops and continues at any time."""
     topic = Middleware(subscribers=2)
     for event in [*events, 'go on 0', 'go on 1', 'time', 'time', 'time']:
         EVENTS[event](topic)

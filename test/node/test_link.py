@@ -51,7 +51,7 @@ def another_reader(path):
 @pytest.mark.slow
 @pytest.mark.parametrize('first', ['driver', pytest.param('reader')])
 def test_another_program_that_reads_the_port_is_reported_once(cable, first):
-    """By name, whoever came first; the port stays open, and what is left is published."""
+    """By name, in any order of start; the port stays open, and the remaining data is published."""
     if first == 'driver' and os.geteuid() != 0:
         pytest.skip('the kernel keeps an ordinary user out')
     with contextlib.ExitStack() as stack:
@@ -101,7 +101,7 @@ def test_a_serial_server(kind):
 
 
 def test_a_server_that_hangs_up_on_all_is_reported_once():
-    """Such as one whose only connection is taken; it may say so before."""
+    """Such as one whose only connection is taken; it may send a message first."""
     with socket.create_server(('127.0.0.1', 0)) as made:
         made.settimeout(PATIENCE)
         with driver(f'socket://127.0.0.1:{made.getsockname()[1]}') as node:
@@ -114,7 +114,7 @@ def test_a_server_that_hangs_up_on_all_is_reported_once():
 
 
 class ServedPort:
-    """What a Device sends on: a serial server."""
+    """A serial server as the line of a Device."""
 
     is_open = True
 
@@ -180,7 +180,7 @@ sys.exit(driver_node.main())
 
 @pytest.mark.skipif(os.geteuid() != 0, reason='only root can become another user')
 def test_a_directory_that_may_not_be_entered(tmp_path, monkeypatch):
-    """The reading thread goes on: when it may be entered, the port is opened."""
+    """The reading thread continues, and opens the port when that is possible."""
     folder = tmp_path / 'closed'
     folder.mkdir(mode=0o700)
     for parent in (*tmp_path.parents[:-2], tmp_path):
@@ -224,7 +224,7 @@ def test_descriptors_beyond_those_of_select(cable):
 
 
 def test_a_titan_m_that_accepts_nothing(cable):
-    """It is said so, the reader is not held up, and neither is the end."""
+    """It is reported, and delays neither the reader nor the exit."""
     far_end = os.open(cable.path, os.O_WRONLY | os.O_NOCTTY | os.O_NONBLOCK)
     with contextlib.suppress(BlockingIOError):
         while True:                     # and the system accepts nothing more for it
@@ -240,7 +240,7 @@ def test_a_titan_m_that_accepts_nothing(cable):
 
 
 def test_it_ends_while_it_connects():
-    """A host that does not answer must not hold up the end; its user learns of it after 5 s."""
+    """A host that does not answer does not delay the exit; it is reported after 5 s."""
     with contextlib.ExitStack() as stack:
         deaf = stack.enter_context(socket.socket())
         deaf.bind(('127.0.0.1', 0))

@@ -38,13 +38,13 @@ def sending(port, data):
 
 
 def missing(path):
-    """Give a port that does not exist."""
+    """Return a port that does not exist."""
     return contextlib.nullcontext()
 
 
 @contextlib.contextmanager
 def held(path):
-    """Give a port that another program holds."""
+    """Return a port that another program holds."""
     with PtyPort(path):
         other = Link(path, 115200)
         other.connect()
@@ -53,13 +53,13 @@ def held(path):
 
 
 def silent(path):
-    """Give a port on which nothing arrives."""
+    """Return a port on which nothing arrives."""
     return PtyPort(path)
 
 
 @contextlib.contextmanager
 def noisy(path):
-    """Give a port on which bytes arrive that are no frames."""
+    """Return a port on which bytes without frames arrive."""
     with PtyPort(path) as port, sending(port, NOISE):
         yield
 
@@ -82,7 +82,7 @@ def content(ear):
 @pytest.mark.parametrize('sensor', TASKS)
 @pytest.mark.parametrize('state', STATES)
 def test_no_task_is_content_without_data(tmp_path, state, sensor):
-    """But the link, while bytes of some kind arrive on it."""
+    """Except for the link, while bytes arrive on it."""
     make, words = STATES[state]
     path = str(tmp_path / 'port')
     with make(path), listening(DIAGNOSTICS) as ear, driver(path, sensor=sensor):
@@ -95,7 +95,7 @@ def test_no_task_is_content_without_data(tmp_path, state, sensor):
 
 
 def test_no_task_stays_content_once_the_port_is_gone(tmp_path):
-    """Though all of them were, a moment ago; and the link goes on saying that it is gone."""
+    """Although all were OK just before; the link stays in error."""
     path = str(tmp_path / 'port')
     with listening(DIAGNOSTICS) as ear, driver(path) as node:
         with PtyPort(path) as port, Device(port):
@@ -111,7 +111,7 @@ def test_no_task_stays_content_once_the_port_is_gone(tmp_path):
 
 
 def test_no_task_of_a_titan_m_stays_content_once_the_port_is_gone(tmp_path):
-    """Though it answered, a moment ago."""
+    """Although it answered just before."""
     path = str(tmp_path / 'port')
     with listening(DIAGNOSTICS) as ear, driver(path, sensor='titan_m'):
         with running('bahrs', 'emulate', '--sensor', 'titan_m', '--link', path):
@@ -124,7 +124,7 @@ def test_no_task_of_a_titan_m_stays_content_once_the_port_is_gone(tmp_path):
 @pytest.mark.parametrize('data, words', [
     (NOISE, 'Bytes arrive, but no frame of a'), (TEXT, 'another device is on this port')])
 def test_the_console_says_why_there_are_no_frames(tmp_path, data, words, sensor):
-    """Once, however much of it arrives, and once when frames do."""
+    """Once for any amount of noise, and once when frames arrive."""
     path = str(tmp_path / 'port')
     with PtyPort(path) as port, driver(path, sensor=sensor) as node:
         with sending(port, 9 * data):
@@ -137,7 +137,7 @@ def test_the_console_says_why_there_are_no_frames(tmp_path, data, words, sensor)
 
 
 def test_the_console_says_that_a_device_is_silent(tmp_path):
-    """And what a Titan-M would need."""
+    """With the hint for a Titan-M."""
     path = str(tmp_path / 'port')
     with PtyPort(path) as port, driver(path) as node:
         assert wait_for(lambda: 'is open but silent: is the device powered' in node.text)

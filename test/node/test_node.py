@@ -57,7 +57,7 @@ def stamps(messages):
 
 
 def test_raw_has_every_byte_and_when_it_was_read(cable):
-    """In order, labelled; and only if it is asked for."""
+    """In order, with labels; only if publish.raw is set."""
     topics = {TOPIC: UInt8MultiArray, 'imu/data_raw': Imu}
     with listening(topics) as ear, driver(cable.path, publish__raw=True, **DEEP), \
             Device(cable):
@@ -92,7 +92,7 @@ def test_ned_by_parameter(cable):
 
 
 def test_signal_ends_it_cleanly(cable):
-    """Exit status 0, nothing printed but that the port is open."""
+    """Exit status 0, and only the line that the port is open."""
     for number in (signal.SIGINT, signal.SIGTERM):
         with listening(TOPICS) as ear, driver(cable.path) as node, Device(cable):
             ear.wait('imu/data')
@@ -101,7 +101,7 @@ def test_signal_ends_it_cleanly(cable):
 
 
 def test_signals_are_heeded_before_anything_large_is_imported():
-    """Or else Ctrl-C in the first second or two would end in a traceback."""
+    """Otherwise Ctrl-C in the first second or two would print a traceback."""
     code = 'import sys, bahrs_driver.node.main; sys.exit("rclpy" in sys.modules)'
     assert subprocess.run([sys.executable, '-c', code]).returncode == 0
 
@@ -140,13 +140,13 @@ def test_an_unknown_parameter_is_told(cable):
 
 
 def test_whole_numbers_are_good_for_decimal_ones(cable):
-    """YAML makes 1 of what people mean as 1.0."""
+    """YAML reads 1 where the user means 1.0."""
     with listening(TOPICS) as ear, driver(cable.path, stddev__velocity=3), Device(cable):
         assert ear.wait('velocity')[-1].twist.covariance[14] == 9
 
 
 def test_quality_of_service_can_be_overridden(cable):
-    """As REP-2003 wants it: the defaults are reliable, the user decides."""
+    """As in REP-2003: reliable by default, overridable by the user."""
     overrides = {'qos_overrides./imu/data.publisher.reliability': 'best_effort'}
     with listening(TOPICS) as ear, driver(cable.path, **overrides), Device(cable):
         assert wait_for(lambda: all(map(ear.node.count_publishers, ('imu/data', 'imu/data_raw'))))
@@ -156,7 +156,7 @@ def test_quality_of_service_can_be_overridden(cable):
 
 
 def test_missing_port_is_told_once_and_found_when_it_comes(tmp_path):
-    """The node waits for it; diagnostics say why there is no data."""
+    """The node waits for it; diagnostics have the reason."""
     link = str(tmp_path / 'ttyUSB0')
     with listening({**TOPICS, **DIAGNOSTICS}) as ear, driver(link) as node:
         assert says(ear, 'Link', DiagnosticStatus.ERROR, 'does not exist: plug the device in')
@@ -169,7 +169,7 @@ def test_missing_port_is_told_once_and_found_when_it_comes(tmp_path):
 
 
 def test_unplugged_and_plugged_again_twenty_times(tmp_path):
-    """Under load; the node comes back each time, tells each time once, and does not end."""
+    """Under load; the node recovers each time, logs once each time, and does not end."""
     link = str(tmp_path / 'ttyUSB0')
     with listening(TOPICS) as ear, driver(link) as node:
         for time in range(1, 21):

@@ -40,7 +40,7 @@ class Services:
     """Calls services of the node."""
 
     def __init__(self, ear):
-        """Take the ear to call them from."""
+        """Create clients on the node of a listener."""
         self._clients = {name: ear.node.create_client(kind, f'/bahrs_driver/{name}')
                          for name, kind in SERVICES.items()}
         for client in self._clients.values():
@@ -52,7 +52,7 @@ class Services:
         return self._clients[name].call_async(request or SERVICES[name].Request())
 
     def call(self, name, request=None):
-        """Call a service and return its answer."""
+        """Call a service and return its response."""
         future = self.start(name, request)
         assert wait_for(future.done)
         return future.result()
@@ -67,14 +67,14 @@ class Services:
         return self.call('set_parameters', request).results[0]
 
     def ask(self, name):
-        """Call an nvm service and return whether it succeeded and what it said."""
+        """Call an nvm service and return success and content."""
         answer = self.call(f'nvm/{name}')
         return answer.success, json.loads(answer.message)
 
 
 @pytest.fixture
 def emulator(tmp_path):
-    """Give a function that runs the emulator on tmp_path/port with more options."""
+    """Return a function that runs the emulator on tmp_path/port with more options."""
     image = tmp_path / 'image.bin'
     image.write_bytes(IMAGE)
     processes = []
@@ -92,7 +92,7 @@ def emulator(tmp_path):
 
 
 def test_read_page_and_dump(emulator, tmp_path):
-    """Pages, file, SHA-256, topic; what else is asked meanwhile; and the stream is back."""
+    """Pages, file, SHA-256, topic; further requests meanwhile; then the stream is back."""
     emulator(*SLOW)
     file = tmp_path / 'dumps' / 'dump.bin'
     with listening(HEARD) as ear, driver(str(tmp_path / 'port'), nvm__page=7,
@@ -192,7 +192,7 @@ def test_a_directory_that_cannot_be_used(emulator, tmp_path, directory, sentence
 
 
 def test_parameters_are_read_at_each_call(emulator, tmp_path):
-    """How long and in which frames to ask; values that are not valid are rejected."""
+    """Timeout and kind of frames; invalid values are rejected."""
     emulator('--service-crc', 'mpeg2', '--nvm-window', 'always')
     with listening(HEARD) as ear, driver(str(tmp_path / 'port'), nvm__enter_timeout=600,
                                          nvm__service_frames='mpeg2'):
@@ -212,7 +212,7 @@ def test_parameters_are_read_at_each_call(emulator, tmp_path):
 
 
 def test_a_device_that_agrees_and_goes_on_streaming(cable, tmp_path):
-    """The service answers, and the node goes on and ends as ever."""
+    """The service responds, and the node continues and ends normally."""
     codec, framer = BahrsCodec(), Framer(BahrsFormat())
     with listening(HEARD) as ear, driver(cable.path, nvm__directory=tmp_path) as node, \
             Device(cable):
@@ -232,7 +232,7 @@ def test_a_device_that_agrees_and_goes_on_streaming(cable, tmp_path):
 
 
 def test_cancel_and_unplug(emulator, tmp_path):
-    """In the midst of a dump; each time the stream comes back by itself."""
+    """During a dump; each time the stream comes back by itself."""
     device = emulator(*SLOW)
     file = tmp_path / 'dump.bin'
     with listening(HEARD) as ear, driver(str(tmp_path / 'port'), nvm__directory=tmp_path,
@@ -249,13 +249,13 @@ def test_cancel_and_unplug(emulator, tmp_path):
 
 
 def reading(ear):
-    """Whether the node says that its device is in diagnostics mode."""
+    """Return whether the node reports diagnostics mode."""
     rates = status(ear, 'Rates')
     return rates and rates.level == DiagnosticStatus.STALE and 'diagnostics mode' in rates.message
 
 
 def interrupted(services, ear, interrupt):
-    """Return the error of a dump that something came between; again if it was too late."""
+    """Return the error of an interrupted dump; try again if it ended before."""
     for _ in range(10):
         assert says(ear, 'Rates', DiagnosticStatus.OK, '')
         dump = services.start('nvm/dump')
@@ -287,7 +287,7 @@ def test_ending_the_node_makes_the_device_leave(emulator, tmp_path, number):
 
 
 def test_a_device_that_lets_in_after_power_on_only(emulator, tmp_path):
-    """The message says to switch it off and on; whoever does gets the page."""
+    """The message has the remedy, switching it off and on, which works."""
     device = emulator('--nvm-window', 'power-on')
     with listening(HEARD) as ear, driver(str(tmp_path / 'port'), nvm__enter_timeout=1.5):
         services = Services(ear)
@@ -306,7 +306,7 @@ def test_a_device_that_lets_in_after_power_on_only(emulator, tmp_path):
 
 
 def test_command_line(emulator, tmp_path):
-    """Without ROS, straight on the port; asked first when a stream would be stopped."""
+    """Without ROS, directly on the port; confirmed before a stream is stopped."""
     emulator()
     port, file = ('--port', str(tmp_path / 'port')), tmp_path / 'dump.bin'
     with running('bahrs', 'nvm', 'read', '2', *port) as asked:
@@ -331,7 +331,7 @@ class Silent(StoppableThread):
     """A device on a cable that does not stream, answers slowly, and never leaves by itself."""
 
     def __init__(self, cable):
-        """Make it, to be started."""
+        """Create it, not started."""
         super().__init__()
         self._cable = cable
         self._mode = DiagnosticsMode(ServiceBehavior(image=IMAGE, timeout=3600))
@@ -365,7 +365,7 @@ def test_a_signal_makes_the_device_leave(cable, tmp_path, number):
 
 
 def test_a_terminal_that_is_closed_makes_the_device_leave(cable, tmp_path):
-    """Though nothing can be printed any more."""
+    """Although nothing can be printed any more."""
     ours, theirs = pty.openpty()
     # The leader of a session that opens a terminal gets it for its own, with its hang-up.
     words = ('sh', '-c', f'exec "$@" <>{os.ttyname(theirs)} >&0 2>&0', 'sh', *command(
@@ -399,7 +399,7 @@ def test_what_the_command_line_refuses(words, sentence):
 
 
 def test_show(tmp_path):
-    """What is in an image; a damaged block is named."""
+    """The content of an image; a damaged block is named."""
     from bahrs_driver.emulator.bahrs.nvm_image import made_up_image
     image = bytearray(made_up_image())
     file = tmp_path / 'image.bin'

@@ -34,7 +34,7 @@ def test_the_directory_is_made(tmp_path, monkeypatch):
 
 
 def test_a_later_dump_replaces_an_earlier_one(tmp_path):
-    """Named in any way; a relative directory is that of the process."""
+    """By any path; a relative directory is below that of the process."""
     for path in ('dump', f'{tmp_path}/dump', './dump', 'sub/../dump'):
         (tmp_path / 'sub').mkdir(exist_ok=True)
         dump(tmp_path, path, path.encode())
@@ -42,7 +42,7 @@ def test_a_later_dump_replaces_an_earlier_one(tmp_path):
 
 
 def test_an_earlier_dump_stays_if_the_next_one_fails(tmp_path):
-    """For want of pages, or of room."""
+    """Without all pages, or without space."""
     dump(tmp_path)
     with pytest.raises(KeyError), dump_file(str(tmp_path), 'bahrs_nvm.bin'):
         raise KeyError
@@ -66,7 +66,7 @@ def test_which_parameter_is_wrong(tmp_path, directory, path, name):
 
 
 def test_a_user_without_a_home(monkeypatch):
-    """As of a service without HOME: the reason is told."""
+    """Such as for a service without HOME: the sentence has the reason."""
     monkeypatch.delenv('HOME')
     with unprivileged(), tempfile.TemporaryDirectory() as top:
         assert dump(top) == f'{top}/bahrs_nvm.bin'

@@ -26,7 +26,7 @@ class Reader:
         self.error, self.asked = None, []
 
     def read(self, pages, options, on_page):
-        """Return pages of zeros, handing over each."""
+        """Return pages of zeros, and report each."""
         self.asked.append((list(pages), tuple(options)))
         for page in pages:
             on_page(page, bytes(32))
@@ -37,7 +37,7 @@ class Reader:
 
 @pytest.fixture
 def ask():
-    """Give a function that calls a service, with a reader and a node beside it."""
+    """Return a function that calls a service; it has the reader and the node as attributes."""
     context, callbacks, published = Context(), {}, []
     rclpy.init(context=context)
     node = rclpy.create_node('services', context=context)
@@ -66,7 +66,7 @@ def ask():
 
 
 def test_parameters_of_each_call(ask):
-    """Whatever was set since the last one."""
+    """Values that were set since the last call."""
     assert ask('read_page') == (True, {'page': 3, 'data': '00' * 32})
     ask.node.set_parameters([rclpy.Parameter('nvm.service_frames', value='auto'),
                              rclpy.Parameter('nvm.page', value=4)])
@@ -79,7 +79,7 @@ def test_parameters_of_each_call(ask):
     NvmError('the page never came'), ValueError('NVM pages are 0 to 249'), RuntimeError(),
     OSError(28, 'No space left on device'), KeyError('page')])
 def test_every_request_is_answered(ask, tmp_path, error):
-    """Whatever is raised; pages before it were published."""
+    """For any exception; earlier pages were published."""
     ask.reader.error = error
     success, answer = ask('read_page')
     assert not success and answer['error'] and ask.published == ['page=3']

@@ -20,7 +20,7 @@ TOLD_EARLY = 4_000_000      # ns, so that it can be seen whose word was taken
 
 
 class Teller(StoppableThread):
-    """Says after each whole second that a pulse came at it, less TOLD_EARLY."""
+    """Publishes the time of a pulse after each whole second, less TOLD_EARLY."""
 
     def __init__(self, node, reliability):
         """Publish from a node."""
@@ -29,7 +29,7 @@ class Teller(StoppableThread):
             TimeReference, 'pulses', QoSProfile(depth=10, reliability=reliability))
 
     def run(self):
-        """Tell until the end."""
+        """Publish until the end."""
         told = time.time_ns() // SECOND
         while not self._ended.wait(0.02):
             if time.time_ns() // SECOND > told:
@@ -42,7 +42,7 @@ class Teller(StoppableThread):
 
 @given(seconds=st.integers(-2 ** 31, 2 ** 31 - 1), nanoseconds=st.integers(0, 2 ** 32 - 1))
 def test_any_time_of_a_pulse_is_taken(seconds, nanoseconds):
-    """It comes from another node, and may be nonsense."""
+    """It comes from another node, and may be invalid."""
     message = TimeReference()
     message.header.stamp.sec, message.header.stamp.nanosec = seconds, nanoseconds
     heard = []
@@ -55,7 +55,7 @@ def test_any_time_of_a_pulse_is_taken(seconds, nanoseconds):
 
 
 def delay_by_pulses(ear):
-    """Return what pulses tell of the delay in us; NaN until stamps follow them."""
+    """Return the delay by pulses in us; NaN until stamps follow them."""
     said = {pair.key: pair.value for pair in status(ear, 'Time').values} \
         if status(ear, 'Time') else {}
     told = said.get('Least delay by pulses [us]', 'unknown')
@@ -67,7 +67,7 @@ def delay_by_pulses(ear):
     (False, ReliabilityPolicy.RELIABLE), (True, ReliabilityPolicy.RELIABLE),
     (True, ReliabilityPolicy.BEST_EFFORT)])
 def test_stamps_follow_pulses(tmp_path, told, reliability):
-    """At whole seconds of the host's clock, or when a publisher of either kind says so."""
+    """At whole seconds of the host clock, or by a publisher of either reliability."""
     link = str(tmp_path / 'port')
     words = {'time__sync_pulse__reference': 'pulses'} if told else {}
     with listening(DIAGNOSTICS) as ear, running(

@@ -20,7 +20,7 @@ UNDEFINED = 200
 
 @contextlib.contextmanager
 def process(*words):
-    """Run any command, and end it at the end."""
+    """Run any command, and end it afterwards."""
     child = Process(list(words))
     try:
         yield child
@@ -46,7 +46,7 @@ def text_of(ear, node, name):
 
 @pytest.mark.parametrize('name', ['bahrs', 'titan_m'])
 def test_the_shipped_file_is_for_a_node_of_any_name(tmp_path, name):
-    """In a namespace, too; and a rule on the command line beats it."""
+    """In a namespace, too; a rule on the command line overrides it."""
     with listening({}) as ear, running(
             'driver_node', '--ros-args', '--params-file', str(CONFIG / f'{name}.yaml'),
             '-p', f'port:={tmp_path}/port', '-r', '__node:=front', '-r', '__ns:=/left') as node:
@@ -56,7 +56,7 @@ def test_the_shipped_file_is_for_a_node_of_any_name(tmp_path, name):
 
 
 def test_a_rule_beats_a_file_that_names_the_node(tmp_path):
-    """Although rcl takes what names the node for more."""
+    """Although rcl prefers values for the name of the node."""
     file = tmp_path / 'my.yaml'
     file.write_text('/bahrs_driver:\n  ros__parameters:\n    port: /dev/ttyUSB7\n')
     with listening({}) as ear, running(
@@ -66,7 +66,7 @@ def test_a_rule_beats_a_file_that_names_the_node(tmp_path):
 
 
 def test_frames_are_published_without_a_leading_slash(cable):
-    """One warning says so."""
+    """With one warning."""
     with listening(TOPICS) as ear, running(
             'driver_node', '--ros-args', '-p', f'port:={cable.path}', '-p', 'frame_id:=/imu',
             '-p', 'world_frame_id:=/left/map') as node, Device(cable):
@@ -77,7 +77,7 @@ def test_frames_are_published_without_a_leading_slash(cable):
 
 
 def test_requests_that_cannot_be_met_are_answered_and_disturb_nothing(cable):
-    """A type that is not defined is refused like any other bad value, and data goes on."""
+    """An undefined type is refused like any other invalid value, and data continues."""
     items = [Parameter(name='port', value=ParameterValue(type=UNDEFINED)),
              Parameter(name='nvm.page', value=ParameterValue(type=UNDEFINED)),
              Parameter(name='frame_id', value=ParameterValue(type=4, string_value='x')),
@@ -102,7 +102,7 @@ def test_requests_that_cannot_be_met_are_answered_and_disturb_nothing(cable):
     ['--params-file', '/dev/urandom'], ['--params-file', '/'], ['-r', '__node:=a b'],
     ['--params-file', str(CONFIG / 'foxglove_layout.json')]], ids=repr)
 def test_what_cannot_be_used_ends_the_start_with_one_sentence(monkeypatch, capfd, words):
-    """With status 1 and no traceback, whichever library it was that did not like it."""
+    """With status 1 and no traceback, for errors of any library."""
     started = start(monkeypatch, capfd, *words)
     assert started.status == 1
     sentences = [line for line in started.lines if line.startswith('bahrs_driver: ')]
@@ -111,7 +111,7 @@ def test_what_cannot_be_used_ends_the_start_with_one_sentence(monkeypatch, capfd
 
 
 def test_a_parameter_file_may_be_a_pipe(tmp_path):
-    """As a shell gives it for <(command): it can be read only once."""
+    """As from a shell for <(command): it can be read only once."""
     content = f'/**: {{ros__parameters: {{port: {tmp_path}/port, sensor: titan_m}}}}'
     command_line = shlex.join(command('driver_node', '--ros-args', '--params-file'))
     with listening({}) as ear, process(

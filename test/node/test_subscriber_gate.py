@@ -12,7 +12,7 @@ class FakePublisher:
     """A publisher with a number of subscribers that tests set."""
 
     def __init__(self, count):
-        """Begin with so many subscribers."""
+        """Begin with a number of subscribers."""
         self.count = count
 
     def get_subscription_count(self):
@@ -48,7 +48,7 @@ def test_what_is_missing_is_named():
 
 
 def test_no_wait():
-    """Without a limit there is none, and publishers need no event callbacks."""
+    """Without a limit nothing waits, and publishers need no event callbacks."""
     logs = []
     gate = SubscriberGate(0.0)
     gate.wait({'imu/mag': FakePublisher(0)}, logs.append, logs.append)

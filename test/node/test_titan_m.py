@@ -34,7 +34,7 @@ def answers(**options):
 
 @contextmanager
 def titan(port, replies):
-    """Answer what comes, by a table that may be changed, and give what was asked, in order."""
+    """Answer requests by a table that may change; yield the table and the requests in order."""
     asked, ended = [], threading.Event()
 
     def serve():
@@ -62,7 +62,7 @@ def values(ear, task):
 
 @pytest.mark.parametrize('payload, checksum', [('little', 'big'), ('big', 'little')])
 def test_all_topics_in_another_process(cable, payload, checksum):
-    """Byte orders are found and shown; nothing is printed but that the port is open."""
+    """Byte orders are found and shown; only the open port is logged."""
     replies = answers(payload_order=payload, checksum_order=checksum)
     with listening(EVERYTHING) as ear, titan(cable, replies), \
             driver(cable.path, sensor='titan_m') as node:
@@ -105,7 +105,7 @@ def test_a_device_that_does_not_answer_is_told_and_asked_again(cable):
 
 
 def test_nothing_is_published_before_the_byte_order_is_known(cable):
-    """A forced one is taken at its word."""
+    """A forced order is used."""
     nothing = {REQUEST: build_answer(State(*[(0.0,) * 3] * 4)) for REQUEST in REQUESTS}
     rates = {'gps__rate': 0.0, 'sensors__rate': 0.0, 'sensor': 'titan_m'}
     with listening(EVERYTHING) as ear, titan(cable, nothing) as asked:
@@ -120,7 +120,7 @@ def test_nothing_is_published_before_the_byte_order_is_known(cable):
 
 
 def test_unplugged_and_plugged_again(tmp_path):
-    """It is asked again each time."""
+    """Each request is repeated."""
     link = str(tmp_path / 'ttyUSB0')
     with listening(EVERYTHING) as ear, driver(link, sensor='titan_m') as node:
         for _ in range(3):
@@ -132,7 +132,7 @@ def test_unplugged_and_plugged_again(tmp_path):
 
 
 def test_without_rates_it_listens(cable):
-    """To what somebody else asked for."""
+    """Answers to requests of another program."""
     rates = {'state__rate': 0.0, 'gps__rate': 0.0, 'sensors__rate': 0.0}
     with listening(EVERYTHING) as ear, titan(cable, {}) as asked, \
             driver(cable.path, sensor='titan_m', **rates) as node:
@@ -159,7 +159,7 @@ def test_a_bad_parameter_ends_the_start_with_one_sentence(words, sentence):
 
 
 def test_a_stale_gps_week_is_reported_and_not_used(cable):
-    """It would be wrong by whole weeks, which nothing in a recording shows."""
+    """Its time would be wrong by whole weeks, unnoticed in a recording."""
     with listening(EVERYTHING) as ear, titan(cable, answers()), \
             driver(cable.path, sensor='titan_m', gps__week=2300) as node:
         message = ear.wait('time_reference', 3)[-1]
@@ -169,7 +169,7 @@ def test_a_stale_gps_week_is_reported_and_not_used(cable):
 
 
 def test_what_will_not_go_well_is_told_at_the_start(cable):
-    """Rates beyond the line, and pulses that there are none of."""
+    """Rates beyond the capacity of the line, and sync pulses that do not exist."""
     with driver(cable.path, sensor='titan_m', baud_rate=9600, time__source='sync_pulse') as node:
         assert wait_for(lambda: '679% of what the line carries at 9600 baud' in node.text, 60)
         assert 'a titan_m has no sync pulses' in node.text

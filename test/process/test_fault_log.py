@@ -21,7 +21,7 @@ class Unspeakable(Exception):
 
 @given(ERRORS)
 def test_one_printable_line(error):
-    """Whatever the exception says."""
+    """For any exception."""
     lines, traces = [], []
     log = FaultLog(lines.append, traces.append)
     log.report('a callback', error)
@@ -30,7 +30,7 @@ def test_one_printable_line(error):
 
 
 def test_a_function_that_fails_is_survived():
-    """And called with its arguments."""
+    """The function receives its arguments."""
     lines, called = [], []
     log = FaultLog(lines.append, str)
     log.survive('working', called.append, 3)

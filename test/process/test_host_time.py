@@ -14,7 +14,7 @@ OFFSET = 1_700_000_000_000_000_000
 
 
 class Clocks:
-    """The module time, whose readings take as long as a list of pauses says, in ns."""
+    """A replacement for the module time whose readings take the given pauses, in ns."""
 
     CLOCK_MONOTONIC = time.CLOCK_MONOTONIC
 
@@ -40,7 +40,7 @@ class Clocks:
 
 @pytest.fixture
 def clocks(monkeypatch):
-    """Give a function that puts clocks with some pauses in the place of the system's."""
+    """Return a function that replaces the clocks of the system by ones with pauses."""
     def use(*pauses):
         made = Clocks(pauses)
         monkeypatch.setattr(host_time, 'time', made)
@@ -58,14 +58,14 @@ def test_one_reading_is_enough_if_nothing_interrupts(clocks):
 
 @pytest.mark.parametrize('place', range(3))
 def test_an_interruption_is_noticed_wherever_it_is(clocks, place):
-    """And cost nothing but another attempt."""
+    """They cost only another attempt."""
     clocks(*[0] * place, 5 * MS)
     assert abs(paired_reading(time.CLOCK_MONOTONIC).offset - OFFSET) < 200
 
 
 @given(st.lists(st.integers(0, 5 * MS), min_size=2 * ATTEMPTS + 1, max_size=2 * ATTEMPTS + 1))
 def test_the_true_offset_is_within_the_bounds(pauses):
-    """Whatever interrupts, and however often."""
+    """For any interruptions."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(host_time, 'time', Clocks(pauses))
         _, least, most = paired_reading(time.CLOCK_MONOTONIC)

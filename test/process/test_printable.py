@@ -20,13 +20,13 @@ import pytest
     (17, '17'),
 ])
 def test_each_kind_of_character(text, shown):
-    """What a terminal acts on becomes an escape; letters stay."""
+    """Control characters become escapes; letters stay."""
     assert printable(text) == shown
 
 
 @given(st.text(st.characters(), max_size=2 * LONGEST_TEXT), st.integers(1, LONGEST_TEXT))
 def test_any_text_is_one_line_that_can_be_encoded(text, limit):
-    """Whatever comes in, a terminal and UTF-8 can take what comes out."""
+    """Any text becomes printable and valid UTF-8."""
     shown = printable(text, limit)
     assert shown.isprintable() or not shown
     assert len(shown) <= limit

@@ -62,7 +62,7 @@ def run(code, *words):
 
 
 def test_set():
-    """From another thread; it stays set, however often that is done."""
+    """From another thread; it stays set, and can be set again."""
     event = ShutdownEvent()
     assert not event.wait(0) and not event.wait(0.01) and not event.is_set()
     threading.Timer(0.01, event.set).start()
@@ -74,14 +74,14 @@ def test_set():
 
 @pytest.mark.parametrize('code', [ANOTHER_THREAD, NOHUP, MANY_DESCRIPTORS])
 def test_in_a_process(code):
-    """A signal that another thread gets, one that nohup ignored, and many open files."""
+    """Signals to another thread or ignored by nohup, and many open files."""
     done = run(code)
     assert (done.stdout, done.returncode) == ('ended\n', 0), done.stderr
 
 
 @pytest.mark.parametrize('kind', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_each_signal(kind):
-    """It sets the event, and a second one while the process ends does no harm."""
+    """It sets the event, and a second one does not disturb the exit."""
     done = run(EACH_SIGNAL, int(kind))
     assert (done.stdout, done.returncode) == ('ended\n', 0), done.stderr
 

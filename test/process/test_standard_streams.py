@@ -28,7 +28,7 @@ VERBS = {
 
 @pytest.fixture
 def shell(tmp_path):
-    """Give a function that runs a command of ours in a shell, with redirections."""
+    """Return a function that runs a command of this package in a shell, with redirections."""
     (tmp_path / 'flight.bin').write_bytes(
         b''.join(item.data for item in emissions(make_device(), 2.0)))
 
@@ -41,7 +41,7 @@ def shell(tmp_path):
 
 @pytest.mark.parametrize('verb', VERBS)
 def test_closed_streams(shell, tmp_path, verb):
-    """What would be printed is discarded."""
+    """Output is discarded."""
     for closed in ('>&-', '<&- >&- 2>&-'):
         done = shell(VERBS[verb], closed)
         assert done.returncode == 0 and 'Traceback' not in done.stderr
@@ -66,7 +66,7 @@ def test_a_full_disk_behind_standard_output(shell, verb):
 
 @pytest.mark.parametrize('verb', VERBS)
 def test_a_reader_that_has_seen_enough(shell, verb):
-    """No complaint."""
+    """The command reports nothing."""
     done = shell(VERBS[verb], '| true')
     assert 'bahrs' not in done.stderr and 'Traceback' not in done.stderr
 

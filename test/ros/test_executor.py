@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The executor: it survives failing callbacks, stops when asked, and completes coroutines."""
+"""The executor survives failing callbacks, stops when asked, and completes coroutines."""
 
 import contextlib
 import itertools
@@ -77,7 +77,7 @@ def test_a_waiting_coroutine_delays_no_callback():
 @given(error=st.sampled_from([LookupError('x'), TypeError(), SystemExit(3), KeyboardInterrupt(),
                               UnicodeDecodeError('utf-8', b'\xff', 0, 1, 'bad'), MemoryError()]))
 def test_a_callback_that_raises(error):
-    """It is reported, and the same callback is called again."""
+    """Its exception is reported, and it is called again."""
     numbers, calls, errors = itertools.count(1), [], []
 
     def callback():
@@ -92,7 +92,7 @@ def test_a_callback_that_raises(error):
 
 
 def test_a_message_that_cannot_be_taken(monkeypatch):
-    """It does not leave its callback group occupied, in which timers are, too."""
+    """Its callback group is free afterwards, so timers of the group run on."""
     calls, errors = [], []
     with spinning(lambda: None, errors.append) as (executor, node):
         take, broken = executor._take_timer, threading.Event()
@@ -113,7 +113,7 @@ def test_a_message_that_cannot_be_taken(monkeypatch):
 
 
 def test_stop_wakes_an_executor_that_waits_for_nothing():
-    """With no timer, spinning would wait for ever."""
+    """Without a timer, spinning would wait forever."""
     with spinning(lambda: None) as (executor, node):
         node.destroy_timer(next(node.timers))
 
@@ -149,7 +149,7 @@ def test_waiting_that_fails_is_tried_again(monkeypatch):
 
 
 def test_a_timeout():
-    """spin_once() waits as long as it may."""
+    """spin_once() returns after its timeout."""
     with spinning(lambda: None) as (executor, node):
         executor.stop()
     rclpy.init()

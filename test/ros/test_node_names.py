@@ -22,7 +22,7 @@ def test_matches(selection, matching):
 
 
 def test_the_first_is_taken_at_once():
-    """And kept, whatever comes much later."""
+    """It is kept, even if another one appears much later."""
     choice = NodeChoice(Selection())
     choice.offer([], 0.0)
     choice.offer(['/other/node'][:0], 10.0)
@@ -36,7 +36,7 @@ def test_the_first_is_taken_at_once():
 
 @pytest.mark.parametrize('looks', [[[LEFT, RIGHT]], [[LEFT], [RIGHT]], [[RIGHT], [LEFT, RIGHT]]])
 def test_several_that_are_found_soon_after_each_other(looks):
-    """As discovery finds what has run for long."""
+    """Within the time that discovery needs for running nodes."""
     choice = NodeChoice(Selection())
     for index, names in enumerate(looks):
         choice.offer(names, 0.4 * index)
@@ -44,7 +44,7 @@ def test_several_that_are_found_soon_after_each_other(looks):
 
 
 def test_an_exact_selection_needs_no_search():
-    """Others do not matter."""
+    """Nodes that do not match have no effect."""
     choice = NodeChoice(Selection('bahrs_driver', '/left'))
     assert choice.chosen == LEFT and choice.settled(0.0)
     choice.offer([LEFT, RIGHT], 0.0)

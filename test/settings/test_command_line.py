@@ -20,7 +20,7 @@ import yaml
     (['--ros-args', '-r', '-p', 'a:=1', '--params-file'], [], []),
 ])
 def test_files_and_rules_are_found(words, files, rules):
-    """Only those between --ros-args and --, and of the rules the last of each name."""
+    """Arguments between --ros-args and --; only the last rule of each name."""
     arguments = RosArguments.from_words(words)
     assert arguments.files == files and list(arguments.last_rules.values()) == rules
 
@@ -39,7 +39,7 @@ KEYS = st.sampled_from(['/**', '/*', 'bahrs_driver', '/bahrs_driver', '/**/bahrs
                       max_size=3),
        rules=st.lists(st.sampled_from([1, 2, 2.5]), min_size=1, max_size=3))
 def test_the_last_rule_beats_every_file_before_it(tmp_path_factory, files, rules):
-    """Whichever node a file names, and whatever the types of the other values are."""
+    """It overrides files for any node, and values of any type."""
     folder = tmp_path_factory.mktemp('files')
     words = ['driver_node', '--ros-args']
     for number, (key, value) in enumerate(files):
@@ -50,12 +50,12 @@ def test_the_last_rule_beats_every_file_before_it(tmp_path_factory, files, rules
 
 
 def test_a_file_after_a_rule_beats_it(tmp_path):
-    """So a launch file gives global parameters first, and those of the node after them."""
+    """A launch file passes global parameters first, then those of the node."""
     file = written(tmp_path, 0, '/**', 'stddev.velocity', 3.0)
     words = ['driver_node', '--ros-args', '-p', 'stddev.velocity:=2.0', '--params-file', file]
     assert node_settings(words)[1].stddev.velocity == 3.0
 
 
 def test_a_default_is_used_where_nothing_is_given():
-    """And a file that names another node gives nothing."""
+    """A file for another node changes nothing."""
     assert node_settings(['driver_node'])[1].stddev.velocity == 0.2

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Parameter files: what is wrong with one, and whether rclpy takes anything from it."""
+"""Parameter files: explanations of problems, and the nodes that a file has parameters for."""
 
 import os
 import threading
@@ -15,7 +15,7 @@ import yaml
 
 
 def applies(path, name, namespace):
-    """Return whether rclpy gives a node anything from a file."""
+    """Return whether rclpy passes parameters of a file to a node."""
     context = Context()
     context.init(['node', '--ros-args', '-r', f'__node:={name}', '-r', f'__ns:={namespace}',
                   '--params-file', str(path)])
@@ -36,7 +36,7 @@ PATTERNS = st.builds(lambda slash, parts: slash + '/'.join(parts),
        name=st.sampled_from(['bahrs_driver', 'front']),
        namespace=st.sampled_from(['/', '/left', '/uav_1/left']))
 def test_it_matches_as_rclpy_does(tmp_path_factory, patterns, nested, name, namespace):
-    """With wildcards, and with names written as keys within keys."""
+    """With wildcards and nested keys."""
     tree = {}
     for pattern in patterns:
         values = {'ros__parameters': {'port': 'x'}}
@@ -53,7 +53,7 @@ def test_it_matches_as_rclpy_does(tmp_path_factory, patterns, nested, name, name
 
 
 def test_the_names_in_a_file_are_returned(tmp_path):
-    """Each once, as rcl reads them."""
+    """Each once, in the form of rcl."""
     path = tmp_path / 'file.yaml'
     path.write_text('left:\n  bahrs_driver:\n    ros__parameters: {port: x}\n'
                     '/right/*:\n  ros__parameters: {port: y}\n'
@@ -73,7 +73,7 @@ def test_the_names_in_a_file_are_returned(tmp_path):
     (b'# comment\n' * (LARGEST // 10 + 1), 'is not a YAML file: check the path'),
 ])
 def test_a_file_that_is_no_yaml(tmp_path, content, sentence):
-    """One sentence says where, or that it is the wrong file; and nothing is raised."""
+    """One sentence names the line, or says that it is the wrong file; no exception."""
     path = tmp_path / 'file.yaml'
     path.write_bytes(content)
     assert sentence in file_problem(str(path))
@@ -81,14 +81,14 @@ def test_a_file_that_is_no_yaml(tmp_path, content, sentence):
 
 
 def test_a_file_that_cannot_be_read(tmp_path):
-    """The reason is that of the system."""
+    """The sentence has the reason of the system."""
     assert 'cannot be read: No such file or directory' in file_problem(str(tmp_path / 'none'))
     assert 'cannot be read: Is a directory' in file_problem(str(tmp_path))
     assert other_nodes(str(tmp_path / 'none'), '/bahrs_driver') is None
 
 
 def test_a_pipe_is_left_to_rcl(tmp_path):
-    """What is read from it is gone, and without a writer it would not end."""
+    """Its content can be read only once, and reading waits for a writer."""
     path = tmp_path / 'pipe'
     os.mkfifo(path)
     results = []

@@ -19,7 +19,7 @@ BOOL, INTEGER, DOUBLE, STRING, BYTE_ARRAY = 1, 2, 3, 4, 5
 
 @pytest.fixture(scope='module')
 def make_node():
-    """Give a function that makes the node with arguments; no thread of it runs."""
+    """Return a function that creates the node with arguments; none of its threads run."""
     nodes, words = [], sys.argv
 
     def make(*arguments):
@@ -37,12 +37,12 @@ def make_node():
 
 @pytest.fixture(scope='module')
 def node(make_node):
-    """Give a node for a BAHRS."""
+    """Return a node for a BAHRS."""
     return make_node('-p', 'baudrate:=5', '-p', 'qos_overrides./imu/data.publisher.depth:=7')
 
 
 def parameter(name, kind, **value):
-    """Return a parameter as it is in a request."""
+    """Return a parameter for a request."""
     return Parameter(name=name, value=ParameterValue(type=kind, **value))
 
 
@@ -53,7 +53,7 @@ def call(node, kind, **request):
 
 
 def answers(node, *parameters):
-    """Return what both services say to the same parameters."""
+    """Return the results of both services for the same parameters."""
     return (call(node, SetParameters, parameters=parameters).results,
             call(node, SetParametersAtomically, parameters=parameters).result)
 
@@ -79,28 +79,28 @@ def answers(node, *parameters):
      'cannot set qos_overrides./imu/dta.publisher.depth (there is no such publisher'),
 ])
 def test_refused(node, item, reason):
-    """By both services, with what to do instead."""
+    """By both services, with the reason and the remedy."""
     each, together = answers(node, item)
     for result in (*each, together):
         assert not result.successful and reason in result.reason
 
 
 def test_of_another_device(make_node):
-    """The reason is the device, not the value."""
+    """The reason names the device, not the value."""
     node = make_node('-p', 'sensor:=titan_m', '-r', '__node:=titan_m')
     (result,), _ = answers(node, parameter('nvm.page', INTEGER, integer_value=5))
     assert result.reason == 'parameter nvm.page has no effect: sensor is titan_m'
 
 
 def test_applied(node):
-    """What a service reads when it is called."""
+    """A parameter that a service reads at each call."""
     each, together = answers(node, parameter('nvm.page', INTEGER, integer_value=5))
     assert together.successful and all(result.successful for result in each)
     assert node.get_parameter('nvm.page').value == 5
 
 
 def test_one_that_is_refused_is_for_all(node):
-    """If they are to be set together; if not, each has its own result."""
+    """If they are set together; otherwise each has its own result."""
     good = parameter('nvm.page', INTEGER, integer_value=6)
     each, together = answers(node, good, parameter('nvm.page', 99), good)
     assert [result.successful for result in each] == [True, False, True]
@@ -125,7 +125,7 @@ SETTABLE = {'nvm.page', 'nvm.dump_path', 'nvm.enter_timeout', 'nvm.service_frame
 @settings(max_examples=200)
 @given(items=st.lists(st.builds(Parameter, name=NAMES, value=VALUES), max_size=4))
 def test_any_request(node, items):
-    """Each parameter has a result; only what is read later is ever set, and only if it is good."""
+    """Each parameter has a result; only valid values of settable parameters are applied."""
     before = dict(node.get_parameters_by_prefix(''))
     each, together = answers(node, *items)
     assert len(each) == len(items)
@@ -142,7 +142,7 @@ def test_any_request(node, items):
 @settings(max_examples=100)
 @given(names=st.lists(NAMES, max_size=4), depth=st.integers(0, 2 ** 64 - 1))
 def test_any_question(node, names, depth):
-    """The services that only ask answer, too."""
+    """The services that read parameters respond, too."""
     for kind in (GetParameters, GetParameterTypes, DescribeParameters):
         call(node, kind, names=names)
     call(node, ListParameters, prefixes=names, depth=depth)

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the parameter table, and that the files that set parameters fit it."""
+"""Tests of the parameter table, of typed settings, and of the parameter files."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,7 +22,7 @@ BY_NAME = parameter_table().by_name
 
 @pytest.mark.parametrize('parameter', BY_NAME.values(), ids=lambda parameter: parameter.name)
 def test_every_row_is_complete(parameter):
-    """A description that is a sentence, a valid default, a descriptor that holds the limits."""
+    """Each has a sentence as description, a valid default, and a descriptor with its limits."""
     assert parameter.description.endswith('.')
     parameter.convert(parameter.default)
     described = descriptor(parameter)
@@ -36,7 +36,7 @@ def test_every_row_is_complete(parameter):
 
 
 def test_devices_share_parameters_or_differ_in_names():
-    """Two devices that define different parameters of one name are a mistake."""
+    """Two devices must not define different parameters of one name."""
     @dataclass(frozen=True)
     class Other(CommonSettings):
         baud_rate: int = setting(9600, 'Another speed.')
@@ -53,7 +53,7 @@ def test_devices_share_parameters_or_differ_in_names():
     ('settings.stddev.velocity + settings.port', 'error: Unsupported operand types'),
 ])
 def test_mypy_checks_settings(tmp_path, expression, error):
-    """A name, a choice and a type that are wrong."""
+    """It finds a wrong name, a wrong choice and a wrong type."""
     file = tmp_path / 'snippet.py'
     file.write_text('from bahrs_driver.devices.settings import CommonSettings\n'
                     f'def f(settings: CommonSettings) -> object: return {expression}\n')
@@ -81,7 +81,7 @@ def test_mypy_checks_settings(tmp_path, expression, error):
                                           'must be true or false'),
 ])
 def test_a_bad_value_gives_one_sentence(name, value, sentence):
-    """It names the parameter, what it is, and what would be valid."""
+    """It names the parameter, its value, and the valid values."""
     with pytest.raises(ParameterError) as caught:
         BY_NAME[name].convert(value)
     assert str(caught.value) == sentence
@@ -89,12 +89,12 @@ def test_a_bad_value_gives_one_sentence(name, value, sentence):
 
 @pytest.mark.parametrize('value', ['nan', float('nan')])
 def test_a_choice_that_yaml_takes_for_a_number(value):
-    """Written as the documentation has it."""
+    """It may be written as in the documentation."""
     assert BY_NAME['publish.incomplete'].convert(value) == 'nan'
 
 
 def test_true_is_not_a_number():
-    """Though Python takes it for one."""
+    """Although bool is a subclass of int."""
     with pytest.raises(ParameterError):
         Parameter('n', 3, 'A number.', low=0, high=9).convert(True)
 

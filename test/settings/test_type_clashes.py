@@ -17,7 +17,7 @@ KEYS = ('/**', '/bahrs_driver', 'other')
 
 
 def used(words):
-    """Return what rcl makes of a parameter of the node, or None."""
+    """Return the value that rcl uses for a parameter of the node, or None."""
     context = Context()
     context.init(['node', *words])
     node = ParameterNode(RosArguments(), context)
@@ -40,7 +40,7 @@ SOURCES = st.lists(st.tuples(st.sampled_from(['rule', *KEYS]), st.sampled_from(s
 @settings(max_examples=150)
 @given(sources=SOURCES)
 def test_what_rcl_does_not_use_is_reported(tmp_path_factory, sources):
-    """Exactly if the last value for a name of the node is another than rcl uses of that name."""
+    """Exactly if the last value of a parameter is not the one that rcl uses."""
     folder, words = tmp_path_factory.mktemp('files'), ['--ros-args']
     for number, (key, text) in enumerate(sources):
         file = folder / f'{number}.yaml'
@@ -57,7 +57,7 @@ def test_what_rcl_does_not_use_is_reported(tmp_path_factory, sources):
 
 
 def test_it_is_among_the_settings_without_effect(monkeypatch, capfd, tmp_path):
-    """With what to do. A rule after the files is used in any case."""
+    """With the remedy. A rule after the files is always used."""
     first, second = tmp_path / 'a.yaml', tmp_path / 'b.yaml'
     first.write_text('/**:\n  ros__parameters:\n    stddev:\n      velocity: 1\n')
     second.write_text('/**:\n  ros__parameters:\n    stddev.velocity: 0.5\n')

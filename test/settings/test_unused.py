@@ -32,7 +32,7 @@ OF_THE_NODE = {'sensor'} | read_by('driver_node.py') | read_by('topics.py') | \
 @settings(max_examples=40)
 @given(st.fixed_dictionaries({row.name: values_of(row) for row in TABLE}))
 def test_each_parameter_is_read_or_listed(values):
-    """Whatever the values are; so a parameter that is added for one device names it."""
+    """For any values."""
     sensor, values = TABLE.settings(values)
     recorded = RecordedSettings(values)
     DEVICES[sensor].parts(recorded).live(Link(values.port, values.baud_rate))
@@ -71,7 +71,7 @@ def test_each_unused_name_is_a_parameter_of_the_device(sensor, values):
      'state.rate, sensors.rate, gps.rate are 0'),
 ])
 def test_reasons(name, values, reason):
-    """They name the parameter that decides."""
+    """They name the deciding parameter."""
     assert TABLE.why_unused(name, *TABLE.settings(TABLE.values(values))) == reason
 
 
@@ -124,13 +124,13 @@ TOPICS_AND_SERVICES = st.sampled_from([
 @settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(names=st.lists(TOPICS_AND_SERVICES, unique=True, max_size=3))
 def test_remappings_with_an_effect_are_not_listed(monkeypatch, capfd, names):
-    """Nor those that a launch file gives to all of its nodes."""
+    """Nor remappings that a launch file passes to all of its nodes."""
     words = [word for number, name in enumerate(names) for word in ('-r', f'{name}:=x{number}')]
     assert start(monkeypatch, capfd, *words) == (0, [])
 
 
 def test_nothing_is_listed_for_nothing(monkeypatch, capfd):
-    """What has an effect is not worth a word."""
+    """Settings with an effect cause no warning."""
     assert start(monkeypatch, capfd, '-p', 'time.source:=sync_pulse',
                  '-p', 'time.sync_pulse.reference:=pulses', '-p', 'stddev.velocity:=1',
                  '-p', 'qos_overrides./pulses.subscription.depth:=5',
@@ -141,14 +141,14 @@ def test_nothing_is_listed_for_nothing(monkeypatch, capfd):
 
 
 def test_a_long_name_is_cut(monkeypatch, capfd):
-    """A line of the log stays short."""
+    """Lines of the log stay short."""
     status, lines = start(monkeypatch, capfd, '-p', f'x{"y" * 5000}:=1')
     assert status == 0 and len(lines) == 1 and len(lines[0]) < 1500
 
 
 @pytest.mark.parametrize('name', ['bahrs', 'titan_m'])
 def test_shipped_files_have_no_setting_without_effect(monkeypatch, capfd, name):
-    """Whatever the node is called, and in any namespace."""
+    """For a node of any name in any namespace."""
     file = str(PACKAGE.parent / 'config' / f'{name}.yaml')
     assert start(monkeypatch, capfd, '--params-file', file, '-p', 'port:=/nowhere',
                  '-r', '__node:=front', '-r', '__ns:=/left') == (0, [])
