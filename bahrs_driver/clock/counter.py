@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from bahrs_driver.units import COUNTER_MODULUS, NS_PER_S
 
 LONGEST_SILENCE = 4 * NS_PER_S // 10        # less than a device takes to start
-FAR = 20                        # samples; if more are missing, so is a time message
+FAR = 20                        # samples; a longer gap contains a time message
 SLACK = NS_PER_S // 10          # by which a bound may be late
 MAX_DOUBTS = 3                  # implausible counters in a row
 
@@ -68,15 +68,16 @@ class SampleCounter:
         """Whether the counter may have wrapped in the silence before a frame with this bound."""
         return self.started and bound - self._bound > LONGEST_SILENCE
 
-    def may_have_wrapped(self, sequence: int, latest: int | None) -> bool:
-        """Whether `latest`, the highest possible count, allows that the counter wrapped."""
+    def may_have_wrapped(self, sequence: int, highest: int | None) -> bool:
+        """Whether the counter may have wrapped, as far as the highest possible count allows."""
         ahead = (sequence - self._sequence) % COUNTER_MODULUS
-        return latest is not None and self._trusted + ahead + COUNTER_MODULUS <= latest
+        return highest is not None and self._trusted + ahead + COUNTER_MODULUS <= highest
 
-    def is_far(self, sequence: int, bound: int, latest: int | None) -> bool:
+    def is_far(self, sequence: int, bound: int, highest: int | None) -> bool:
         """Whether so many samples are missing that the device may have been restarted."""
         ahead = (sequence - self._sequence) % COUNTER_MODULUS
-        return self.started and ahead > FAR and self._trusted + ahead <= self._limit(bound, latest)
+        return self.started and ahead > FAR and (
+            self._trusted + ahead <= self._limit(bound, highest))
 
     def advance(self, sequence: int, bound: int) -> bool:
         """Count the next frame if its counter follows the latest one; return whether it does."""
@@ -90,24 +91,24 @@ class SampleCounter:
         self._bound = self._trusted_bound = bound
         return True
 
-    def add(self, sequence: int, bound: int, latest: int | None) -> bool:
+    def add(self, sequence: int, bound: int, highest: int | None) -> bool:
         """
-        Count the next frame, whatever its counter; return whether the counter was plausible.
+        Count the next frame; return whether its counter is plausible.
 
-        bound is the latest host time at which the frame was sent, latest the highest count that
+        bound is the latest host time at which the frame was sent, highest the highest count that
         it can have by device time, if that is known.
         """
-        latest = self._limit(bound, latest)
+        limit = self._limit(bound, highest)
         self._bound = bound
         ahead = (sequence - self._sequence) % COUNTER_MODULUS
         if not self.started:
             self._trust(sequence, 0, bound)
-        elif ahead and self._trusted + ahead <= latest:
+        elif ahead and self._trusted + ahead <= limit:
             self._trust(sequence, self._trusted + ahead, bound)
         elif not self._skip_corrupted(sequence, bound):
             self.rejected += 1
             self._doubts += 1
-            self.count += bool(ahead)       # the same counter again: the same sample
+            self.count += bool(ahead)       # a repeated counter is no new sample
             return False
         return True
 
@@ -123,10 +124,10 @@ class SampleCounter:
         self._before = -1, 0
         self._bound = bound
 
-    def _limit(self, bound: int, latest: int | None) -> int:
-        """Return the highest count that a frame can have: `latest`, or by elapsed time."""
-        if latest is not None:
-            return latest
+    def _limit(self, bound: int, highest: int | None) -> int:
+        """Return the highest count by device time if that is known, else by elapsed time."""
+        if highest is not None:
+            return highest
         return self._trusted + (bound - self._trusted_bound + SLACK) // self._period + 1
 
     def _trust(self, sequence: int, count: int, bound: int) -> None:

@@ -4,8 +4,8 @@
 The device time of samples by their count, and whether it can be trusted.
 
 A time message that fits the timeline moves its anchor. One that does not fit may be wrong, or may
-mean that the device was restarted or that counts were lost. It becomes a candidate, and device
-time is not known until a second message agrees with it, or another one with the timeline.
+mean that the device was restarted or that counts were lost. It becomes a candidate. Device time is
+not known until another message agrees with the candidate or with the timeline.
 """
 
 from enum import Enum
@@ -17,11 +17,11 @@ from bahrs_driver.clock.timeline import Timeline
 from bahrs_driver.protocol.message_roles import MessageRoles
 from bahrs_driver.units import NS_PER_MS, NS_PER_S
 
-EARLIEST, LATEST = -3 * NS_PER_MS, NS_PER_S         # lateness of a sample of the same clock
+EARLIEST, LATEST = -3 * NS_PER_MS, NS_PER_S         # lateness of a sample on the same clock
 
 
 class Verdict(Enum):
-    """The meaning of a time message."""
+    """The result of adding a time message."""
 
     KNOWN = 'device time is known, on the same clock'
     NEW_EPOCH = 'device time is known, and its clock has jumped'
@@ -80,7 +80,7 @@ class DeviceTime:
         self.awaits_sample = False
 
     def jump_count(self, sequence: int, bound: int) -> None:
-        """Count a sample whose true count only the next time message can give."""
+        """Count a sample whose true count is unknown until the next time message."""
         self.counter.jump(sequence, bound)
         self._lose_count()
 
@@ -88,13 +88,13 @@ class DeviceTime:
         """Add the counter of a navigation message that follows the latest sample."""
         self.navigation.pair(sequence, self.counter.latest.sequence)
 
-    def sample_referenced(self, reference: int) -> int:
+    def count_for_sample_time(self, reference: int) -> int:
         """Return the count of the sample to which a sample time message gives a time."""
         named = self.counter.latest.nearest(reference)
         self.convention.vote(named - self.counter.count)
         return named - self.convention.ahead
 
-    def navigation_referenced(self, reference: int) -> int | None:
+    def count_for_navigation_time(self, reference: int) -> int | None:
         """Return the count of the sample to which a navigation time message gives a time."""
         named = self.navigation.count(reference, self.counter.latest)
         if named is None:
@@ -110,22 +110,22 @@ class DeviceTime:
 
     def add_time(self, count: int, time: int, lateness: int | None) -> Verdict:
         """
-        Add the device time of a sample, and return its meaning.
+        Add the device time of a sample.
 
-        lateness is by how much the latest sample arrived later than the estimate predicts, if the
-        message is right; None without an estimate.
+        lateness is how much later than estimated the message arrived, if its time is right; None
+        without an estimate.
         """
         timeline, candidate = self._timeline, self._candidate
-        # Device time goes back only when it is set, however little.
-        fits = timeline is not None and time > timeline.latest[1] and (
+        # Device time decreases only if the clock was set.
+        same_clock = timeline is not None and time > timeline.latest[1] and (
             lateness is not None and EARLIEST <= lateness <= LATEST)
         if timeline and timeline.agrees(count, time):      # even if the counter may have wrapped
             timeline.accept(count, time)
-        elif timeline and self._count_lost and fits:
+        elif timeline and self._count_lost and same_clock:
             timeline.move(count, time)
         elif candidate and candidate.agrees(count, time) and not self._repeats(candidate, time):
             candidate.accept(count, time)
-            return self._adopt(candidate, fits)
+            return self._adopt(candidate, same_clock)
         else:
             return self._doubt(count, time)
         return self._trust()
@@ -135,11 +135,11 @@ class DeviceTime:
         if self.known or self.anchored:
             return self._trust()
         if self._candidate:
-            return self._adopt(self._candidate, False)
+            return self._adopt(self._candidate, same_clock=False)
         return Verdict.DOUBTED
 
     def _repeats(self, candidate: Timeline, time: int) -> bool:
-        """Whether a message gives the time of the candidate again, against the timeline."""
+        """Whether a message only repeats the time of the candidate, and so confirms nothing."""
         return self.anchored and time == candidate.latest[1]
 
     def _adopt(self, candidate: Timeline, same_clock: bool) -> Verdict:

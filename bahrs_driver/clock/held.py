@@ -19,8 +19,8 @@ MESSAGES_PER_SAMPLE = 2     # messages of all types that may be held
 class Held:
     """A message before it has a stamp."""
 
-    __slots__ = ('bound', 'count', 'device', 'frame', 'message', 'near', 'timed', 'unfed',
-                 'without_sample')
+    __slots__ = ('bound', 'count', 'device_time', 'frame', 'message', 'preceding',
+                 'preceding_lost', 'timed', 'unfed')
 
     def __init__(self, message: Any, frame: Frame, bound: int) -> None:
         """Hold a message; bound is the latest raw time at which it was sent."""
@@ -29,10 +29,10 @@ class Held:
         self.bound = bound
         self.timed = False                          # whether it has a time of its own
         self.count: int | None = None               # of a sample
-        self.near: CountedSequence | None = None    # the sample before a navigation message
-        self.without_sample = False                 # that sample was not received
-        self.device: int | None = None              # the device time in the message, in ns
-        self.unfed = False                          # a sample that is missing in the estimate
+        self.preceding: CountedSequence | None = None   # the sample before a navigation message
+        self.preceding_lost = False                 # that sample was not received
+        self.device_time: int | None = None         # in the message, in ns
+        self.unfed = False                          # whether the estimate lacks this sample
 
 
 class HeldMessages:

@@ -7,8 +7,8 @@ The device numbers its samples with a uint8 counter, and time messages tie some 
 time. `device_time` turns counters into device time, an estimate turns device time into host time,
 and `stamper` turns host time into stamps.
 
-At each read, all messages are examined first, so that every bound is part of the estimate before
-the first stamp is made. A sample is stamped if its device time is known and more than the first
+At each read, all messages are examined first: the estimate includes every bound before the first
+message is stamped. A sample is stamped if its device time is known and more than the first
 few samples support the estimate. Until then samples are held, 60 at most: as many as arrive until
 the third time message. If it takes longer, or if there are no samples, stamps are arrivals.
 Messages leave in the order of the stream, even those that need no time: messages behind a held
@@ -48,7 +48,7 @@ class SampleClock(Clock):
 
     def __init__(self, roles: MessageRoles, options: ClockOptions = ClockOptions(),
                  estimate: Estimate | None = None) -> None:
-        """Stamp the messages of a device by an estimate that is new: by default a live one."""
+        """Stamp by an estimate without samples; the default is a new `Tracker`."""
         self._roles, self._options = roles, options
         self._device = DeviceTime(roles, options.label)
         self._estimate = estimate or Tracker()
@@ -59,14 +59,14 @@ class SampleClock(Clock):
                                   options.external_pulse_times)
         self._stamper = Stamper(roles, self._device, self._estimate, self._slewer, self._pulses)
         self._held = HeldMessages(roles.sample, options.most_held)
-        self._early: list[Held] = []    # held messages that wait for the count of a sample
+        self._early: list[Held] = []    # held messages before the first sample
         self._stamped: list[Stamped] = []
-        self._may_hold = True
+        self._may_hold = True           # False after device time was awaited in vain
         self._epochs = self._epoch_began = 0
         self._handlers: dict[type, Callable[[Held], None]] = {
             roles.sample: self._handle_sample, roles.navigation: self._handle_navigation,
-            roles.sample_time: partial(self._handle_time, self._device.sample_referenced),
-            roles.navigation_time: partial(self._handle_time, self._device.navigation_referenced),
+            roles.sample_time: partial(self._handle_time, self._device.count_for_sample_time),
+            roles.navigation_time: partial(self._handle_time, self._device.count_for_navigation_time),
             roles.sync_pulse: self._handle_pulse}
 
     def begin(self, byte_time: int) -> None:
@@ -122,7 +122,7 @@ class SampleClock(Clock):
             source=self._options.source, in_use=in_use if known else 'arrival',
             label=device.convention.label, settled=known, held=len(self._held), offset_ns=offset,
             skew_ppm=estimate.skew * 1e6, spread_us=estimate.spread / NS_PER_US,
-            period_us=period and period / NS_PER_US, epochs=self._epochs,
+            period_us=None if period is None else period / NS_PER_US, epochs=self._epochs,
             rejected_samples=estimate.rejected, rejected_time_messages=device.rejected,
             rejected_counters=device.counter.rejected, arrival_stamps=self._stamper.arrivals,
             dropped=self._stamper.dropped, host_steps=host.steps,
@@ -131,7 +131,7 @@ class SampleClock(Clock):
             pulse_delay_us=None if delay is None else delay / NS_PER_US,
             median_chunk=self._reads.median_chunk)
 
-    # Examination of each message, before any is stamped.
+    # Examine all messages of a read before any of them is stamped.
 
     def _add(self, item: Held) -> None:
         """Examine a message, and hold it behind the others."""
@@ -162,55 +162,59 @@ class SampleClock(Clock):
 
     def _handle_sample(self, item: Held) -> None:
         device, counter, bound = self._device, self._device.counter, item.bound
-        sequence, plausible = item.message.sequence, True
+        sequence = item.message.sequence
         if device.awaits_sample:
             self._resume_count(sequence, bound)
-        if not counter.advance(sequence, bound):
-            latest = self._latest_count(bound)
-            unclear = counter.may_have_wrapped(sequence, latest) or counter.is_far(
-                sequence, bound, latest)
-            plausible = unclear or counter.add(sequence, bound, latest)
-            if unclear or counter.lost:
-                self._stop_holding()
-                device.jump_count(sequence, bound)
-                self._stamper.lose_count()
+        plausible = counter.advance(sequence, bound) or self._add_after_gap(sequence, bound)
         item.count = counter.count
         if plausible and device.known:
             self._estimate.feed(device.time_of(counter.count), bound)
         item.unfed = plausible and not device.known
 
+    def _add_after_gap(self, sequence: int, bound: int) -> bool:
+        """Count a sample that does not follow the latest one; return whether it is plausible."""
+        counter, highest = self._device.counter, self._highest_count(bound)
+        ambiguous = counter.may_have_wrapped(sequence, highest) or counter.is_far(
+            sequence, bound, highest)
+        plausible = ambiguous or counter.add(sequence, bound, highest)
+        if ambiguous or counter.lost:
+            self._stop_holding()
+            self._device.jump_count(sequence, bound)
+            self._stamper.lose_count()
+        return plausible
+
     def _resume_count(self, sequence: int, bound: int) -> None:
-        """Count on from the next sample, and examine the messages before it."""
+        """Continue the count with the next sample, and examine the messages before it."""
         self._device.resume_count(sequence, bound)
         self._may_hold = True
         early, self._early = self._early, []
         for item in early:
-            item.without_sample = True
+            item.preceding_lost = True
             self._handlers[type(item.message)](item)
 
     def _handle_navigation(self, item: Held) -> None:
         self._device.pair(item.message.sequence)
-        item.near = self._device.counter.latest
+        item.preceding = self._device.counter.latest
 
     def _handle_time(self, referenced: Callable[[int], int | None], item: Held) -> None:
         message, was_known = item.message, self._device.known
-        item.device = time = message.device_time_us * NS_PER_US
+        item.device_time = time = message.device_time_us * NS_PER_US
         count = referenced(message.reference_sequence)
         if count is None:
             return
         lateness = self._lateness(time, item.bound)
         if was_known and not self._device.agrees(count, time):
-            self._stamp_held(True)      # earlier messages keep the present timeline
+            self._stamp_held(known=True)        # earlier messages keep the present timeline
         if self._device.add_time(count, time, lateness) is Verdict.NEW_EPOCH:
             self._begin_epoch()
         if self._device.known and not was_known:
             self._feed_held()
 
     def _handle_pulse(self, item: Held) -> None:
-        item.device = item.message.device_time_us * NS_PER_US
-        self._pulses.add(item.device)
+        item.device_time = item.message.device_time_us * NS_PER_US
+        self._pulses.add(item.device_time)
 
-    def _latest_count(self, bound: int) -> int | None:
+    def _highest_count(self, bound: int) -> int | None:
         """Return the highest count that a sample with this bound can have, if known."""
         device, estimate = self._device, self._estimate
         if not device.anchored or not estimate.started:
@@ -220,7 +224,7 @@ class SampleClock(Clock):
         return device.count_at(bound + slack - estimate.host_time(time) + time)
 
     def _lateness(self, time: int, bound: int) -> int | None:
-        """Return how much later than predicted a message arrived, if its sample has this time."""
+        """Return how much later than estimated a sample with this device time arrived."""
         estimate = self._estimate
         return bound - estimate.host_time(time) if estimate.started else None
 
@@ -230,7 +234,7 @@ class SampleClock(Clock):
         self._estimate.restart()
         self._pulses.restart()
         self._slewer.restart()
-        # The first messages may be old ones that the system buffered: they prove no restart.
+        # The first messages may be old ones from a buffer of the system: they prove no restart.
         if self._epochs > 1 and self._epoch_began - began > SETTLING:
             self._notices.add("the device's clock has jumped: was the device restarted?")
 
@@ -242,10 +246,10 @@ class SampleClock(Clock):
                 self._estimate.feed(self._device.time_of(item.count), item.bound)
                 item.unfed = False
 
-    # Stamps, once all messages of a read were examined.
+    # Stamp messages after all messages of the read were examined.
 
     def _stop_holding(self) -> None:
-        """Stamp the held messages: later messages give no better time for them."""
+        """Stamp the held messages now, because later messages do not improve their time."""
         self._stop_doubting()
         self._stamp_held(self._device.known)
         self._may_hold = True
@@ -259,9 +263,10 @@ class SampleClock(Clock):
 
     def _release(self) -> None:
         """Stamp the held messages, unless they can wait for a better time."""
-        if not self._ready and self._may_hold and self._held.timed:
-            if not self._held.full:
-                return
+        waiting = self._may_hold and self._held.timed and not self._ready
+        if waiting and not self._held.full:
+            return
+        if waiting:
             self._stop_doubting()
             self._may_hold = self._ready
         self._stamp_held(self._device.known)

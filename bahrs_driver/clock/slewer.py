@@ -3,8 +3,8 @@
 """
 From estimated times to stamps: smooth, increasing, and never in the future.
 
-An estimate may jump when more samples are known. Stamps follow it at a limited rate, so that the
-time between two samples stays right; fast only at the start. A stamp is never later than the
+An estimate may jump when more samples are known. Stamps follow it at a limited rate, which keeps
+the time between two samples right; the rate is higher at the start. A stamp is never later than the
 bound that the bytes prove, and always later than the one before. A message about a time between
 samples, such as a pulse, uses the same slew, and is in order with messages of its own type.
 """
@@ -31,7 +31,7 @@ class StampSlewer:
 
     def restart(self) -> None:
         """Begin another epoch, in which stamps may jump."""
-        self._lag = 0.0                     # of the stamps behind the estimate
+        self._lead = 0.0                    # of the stamps over the estimate, ns
         self._device = self._target = 0
         self._begin: int | None = None
 
@@ -40,7 +40,7 @@ class StampSlewer:
         self._begin = self._device
 
     def allow_backward(self) -> None:
-        """Allow that the next stamp is earlier than the last: the host's clock was set back."""
+        """Allow the next stamp to precede the last: the host's clock was set back."""
         self._last_ros = 0
         self._last_of.clear()
 
@@ -62,10 +62,10 @@ class StampSlewer:
 
     def stamp_between(self, target: int, bound: int) -> int:
         """Return the stamp of an estimated raw time between samples."""
-        return self.to_ros_time(min(target + round(self._lag), bound))
+        return self.to_ros_time(min(target + round(self._lead), bound))
 
     def in_order(self, kind: type, stamp: int) -> int:
-        """Return a stamp, moved behind that of the latest message of its type if need be."""
+        """Return a stamp, but later than that of the latest message of its type."""
         self._last_of[kind] = max(stamp, self._last_of.get(kind, 0) + 1)
         return self._last_of[kind]
 
@@ -74,15 +74,15 @@ class StampSlewer:
         return self._host.to_ros_time(raw) - self._fixed_latency
 
     def _follow(self, device: int, target: int, skew: float) -> int:
-        """Return the difference of the slewed time to the estimate."""
+        """Slew toward the estimate; return the remaining lead over it."""
         if self._begin is None:
             self._begin = device
             self._device, self._target = device, target
             return 0
         step = device - self._device
-        lag = self._lag + self._target - target + step + skew * step
+        lead = self._lead + self._target - target + step + skew * step
         rate = FIRST_SLEW if device - self._begin < FIRST_SPAN else SLEW
         limit = rate * abs(step)
-        self._lag = lag - limit if lag > limit else lag + limit if lag < -limit else 0.0
+        self._lead = lead - max(-limit, min(limit, lead))
         self._device, self._target = device, target
-        return round(self._lag)
+        return round(self._lead)

@@ -4,14 +4,15 @@
 The stamp of each message, in the order of the stream.
 
 The stamp of a sample is its device time. A navigation message has the stamp of its sample, and a
-time message that of the sample to which it gives a time, so that everything about one time has one
-stamp. A pulse has a time of its own, however near a sample it was. Without device time the stamp
-of a sample is its arrival, made even by its count and the nominal period.
+time message has that of the sample whose time it contains: all messages about one time have the
+same stamp. A pulse has a time of its own, even close to a sample. Without device time the stamp of
+a sample is its arrival, smoothed by its count and the nominal period.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from bahrs_driver.clock.counter import CountedSequence
 from bahrs_driver.clock.device_time import DeviceTime
 from bahrs_driver.clock.estimation.estimate import Estimate
 from bahrs_driver.clock.estimation.tracker import Tracker
@@ -40,17 +41,16 @@ class Stamper:
 
     def __init__(self, roles: MessageRoles, device: DeviceTime, estimate: Estimate,
                  slewer: StampSlewer, pulses: SyncPulses) -> None:
-        """Stamp by these estimates."""
         self.arrivals = 0               # samples stamped without device time
-        self.dropped = 0                # samples with an impossible time
+        self.dropped = 0                # samples and navigation messages with an impossible time
         self._roles = roles
         self._device, self._estimate = device, estimate
         self._slewer, self._pulses = slewer, pulses
         self._latest: _Latest | None = None
-        self._by_count = Tracker()
+        self._by_count = Tracker()      # arrival by count, while device time is not known
 
     def lose_count(self) -> None:
-        """Discard how counts relate to host time: they were interrupted."""
+        """Discard the relation of counts to arrivals: the count was interrupted."""
         self._by_count.restart()
 
     def add_arrivals(self, items: Iterable[Held]) -> None:
@@ -60,7 +60,7 @@ class Stamper:
                 self._by_count.feed(item.count * self._roles.sample_period, item.bound)
 
     def allow_backward(self) -> None:
-        """Allow that the next stamp is earlier than the last: the host's clock was set back."""
+        """Allow the next stamp to precede the last: the host's clock was set back."""
         self._slewer.allow_backward()
         self._latest = None
 
@@ -72,10 +72,11 @@ class Stamper:
         """
         if not item.timed:
             return self._slewer.to_ros_time(item.bound)
-        if item.device is not None:
-            stamp = self._stamp_time(item, item.device, now) if known else None
+        if item.device_time is not None:
+            stamp = self._stamp_device_time(item, item.device_time, now) if known else None
         else:
-            stamp = self._stamp_sample(item, known, now)
+            stamp = self._stamp_count(item, item.count, known, now) if item.preceding is None \
+                else self._stamp_navigation(item, item.preceding, known, now)
             self.dropped += stamp is None
         kind = type(item.message)
         if stamp is None or kind is self._roles.sample:
@@ -90,25 +91,25 @@ class Stamper:
         delay = self._pulses.delay.value if self._pulses.enabled else None
         return self._estimate.host_time(device) - (delay or 0), self._estimate.skew
 
-    def _stamp_sample(self, item: Held, known: bool, now: Instant) -> int | None:
-        """Return the stamp of a sample or of a navigation message."""
-        if not item.near:
-            return self._stamp_count(item, item.count, known, now)
-        before = item.near.count
-        count = self._device.navigation.count(item.message.sequence, item.near)
-        if count is None or (count < before and not item.without_sample):
-            count = before              # a navigation message follows its sample
-        stamp = self._stamp_navigation(item, count, known, now)
-        return self._stamp_navigation(item, before, known, now) if stamp is None else stamp
+    def _stamp_navigation(self, item: Held, preceding: CountedSequence, known: bool,
+                          now: Instant) -> int | None:
+        """Return the stamp of the sample that a navigation message was computed from."""
+        count = self._device.navigation.count(item.message.sequence, preceding)
+        if count is None or (count < preceding.count and not item.preceding_lost):
+            count = preceding.count     # a navigation message follows its sample
+        stamp = self._reuse_or_stamp(item, count, known, now)
+        if stamp is None:               # that sample is impossible
+            stamp = self._reuse_or_stamp(item, preceding.count, known, now)
+        return stamp
 
-    def _stamp_navigation(self, item: Held, count: int, known: bool, now: Instant) -> int | None:
-        """Return the stamp of the sample with this count, which may have been stamped already."""
+    def _reuse_or_stamp(self, item: Held, count: int, known: bool, now: Instant) -> int | None:
+        """Return the stamp of the latest sample if it has this count, else a new one."""
         if self._latest and self._latest.count == count:
             return self._latest.stamp
         return self._stamp_count(item, count, known, now)
 
     def _stamp_count(self, item: Held, count: int | None, known: bool, now: Instant) -> int | None:
-        """Return the stamp of the next sample."""
+        """Stamp the sample with this count; it becomes the latest sample."""
         device = None
         if known and count is not None:
             device = self._device.time_of(count)
@@ -126,7 +127,7 @@ class Stamper:
         self._latest = _Latest(count, device, stamp)
         return stamp
 
-    def _stamp_time(self, item: Held, device: int, now: Instant) -> int | None:
+    def _stamp_device_time(self, item: Held, device: int, now: Instant) -> int | None:
         """Return the ROS time of the device time in a message, unless it is far from now."""
         latest = self._latest
         if latest and latest.device is not None \

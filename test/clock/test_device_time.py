@@ -120,4 +120,4 @@ def test_navigation_goes_with_the_inertial_sample_of_its_time():
     made.pair(2)
     assert made.navigation.count(2, made.counter.latest) == 4
     made.counter.add(5, 5 * PERIOD, None)
-    assert made.navigation_referenced(3) == 6
+    assert made.count_for_navigation_time(3) == 6
