@@ -40,11 +40,11 @@ class TimeState:
     spread_us: float = 0.0              # of the smallest delays
     period_us: float | None = None
     epochs: int = 0
-    rejected_samples: int = 0           # too late, or too early without a second witness
+    rejected_samples: int = 0           # too late, or too early without confirmation
     rejected_time_messages: int = 0
     rejected_counters: int = 0
     arrival_stamps: int = 0             # samples stamped without device time
-    dropped: int = 0                    # samples with an impossible time
+    dropped: int = 0                    # messages with an impossible time
     host_steps: int = 0
     last_host_step_s: float = 0.0
     pulses: int = 0

@@ -66,7 +66,8 @@ class SampleClock(Clock):
         self._handlers: dict[type, Callable[[Held], None]] = {
             roles.sample: self._handle_sample, roles.navigation: self._handle_navigation,
             roles.sample_time: partial(self._handle_time, self._device.count_for_sample_time),
-            roles.navigation_time: partial(self._handle_time, self._device.count_for_navigation_time),
+            roles.navigation_time: partial(
+                self._handle_time, self._device.count_for_navigation_time),
             roles.sync_pulse: self._handle_pulse}
 
     def begin(self, byte_time: int) -> None:

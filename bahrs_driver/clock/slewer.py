@@ -4,8 +4,8 @@
 From estimated times to stamps: smooth, increasing, and never in the future.
 
 An estimate may jump when more samples are known. Stamps follow it at a limited rate, which keeps
-the time between two samples right; the rate is higher at the start. A stamp is never later than the
-bound that the bytes prove, and always later than the one before. A message about a time between
+the time between two samples right; the rate is higher at the start. A stamp is never later than
+the upper bound of its frame, and always later than the one before. A message about a time between
 samples, such as a pulse, uses the same slew, and is in order with messages of its own type.
 """
 

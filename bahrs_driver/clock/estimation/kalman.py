@@ -81,8 +81,8 @@ class OffsetFilter:
     """
     Estimates an offset in ns at a time in ns, and its skew.
 
-    The offset is stored as an integer base plus a small float, so that no precision is lost
-    however long the clocks have run.
+    The offset is stored as an integer base plus a small float, which keeps its precision however
+    long the clocks have run.
     """
 
     __slots__ = ('_base', '_mean', '_models', '_states', '_weights', 'time')

@@ -3,9 +3,9 @@
 """
 The offset between the clocks in one epoch of a recording, by all of its samples.
 
-`tracker` must decide at once, from earlier samples only. In a recording the later samples give as
-much information again, and the first seconds are as accurate as the others. The input is one
-bucket per half second, with the two smallest samples that `smoother_input` kept of it. Then
+`tracker` must decide at once, from earlier samples only. In a recording later samples are known as
+well, and the first seconds become as accurate as the others. The input is one bucket per half
+second, with the two smallest samples that `smoother_input` kept of it. Then
 
 *   a forward and a backward pass, each by the rules of the tracker, find the buckets that were
     late. A late stretch is recognized from the side on which it ends in an early jump;
@@ -24,13 +24,13 @@ from bahrs_driver.clock.estimation.kalman import OffsetFilter
 from bahrs_driver.clock.estimation.rts_smoother import Measurement, rts_smooth
 from bahrs_driver.clock.estimation.smoothed_estimate import Knot, OffsetCurve
 from bahrs_driver.clock.estimation.tracker import (
-    CLOSE_GAP, GATE_DEVIATIONS, GATE_MARGIN, LEAST_DEVIATION, PATIENCE, WIDEST_GAP,
+    CLOSE_GAP, gate, LEAST_DEVIATION, nearly_equal, PATIENCE, WIDEST_GAP,
 )
 from bahrs_driver.units import NS_PER_MS
 
 FIRST_DEVIATION = 10 * NS_PER_MS
 JUMP_DEVIATION = 10 * NS_PER_MS
-EQUAL_BUCKETS = 20
+EQUAL_BUCKETS = 20                      # late by the same amount: the path has changed
 NEIGHBOURS = 10                         # buckets on either side that determine the spread
 ROUNDS = 2
 MIN_BUCKETS = 5                         # or pairs of buckets, to determine a slope
@@ -88,13 +88,13 @@ def _both_ways(buckets: Sequence[Bucket], spreads: Sequence[float]) -> _Pass:
     backward = _run(buckets[::-1], spreads[::-1])
     last = len(buckets) - 1
     accepted = _agreed(forward.accepted, {last - index for index in backward.accepted})
-    # Going backward, the jump is found at the earlier end of what lies behind it.
+    # A backward pass finds the jump at the last bucket before it.
     jumps = forward.jumps | {last - index + 1 for index in backward.jumps}
     return _Pass(accepted or set(range(len(buckets))), jumps)
 
 
 def _agreed(forward: set[int], backward: set[int]) -> set[int]:
-    """Return what both passes accepted; or what one did, if the other lost track."""
+    """Return the buckets that both passes accepted; or one pass, if the other lost track."""
     both, larger = forward & backward, max(forward, backward, key=len)
     return both if len(both) > len(larger) // 2 else larger
 
@@ -109,17 +109,19 @@ def _run(buckets: Sequence[Bucket], spreads: Sequence[float]) -> _Pass:
     for index, (bucket, spread) in enumerate(zip(buckets, spreads)):
         kalman.predict(bucket.time)
         variance = _variance(bucket.gap, spread)
-        gate = GATE_DEVIATIONS * math.sqrt(kalman.variance + variance) + GATE_MARGIN
+        limit = gate(kalman.variance + variance)
         innovation = bucket.measured - kalman.offset(bucket.time)
-        if innovation > gate:
+        if innovation > limit:
             late.append((index, innovation))
-            if not _path_changed(late, spread) and abs(bucket.time - last_time) <= PATIENCE:
+            path_changed = len(late) == EQUAL_BUCKETS and nearly_equal(
+                [value for _, value in late], spread)
+            if not path_changed and abs(bucket.time - last_time) <= PATIENCE:
                 continue
             jumps.add(late[0][0])
-            accepted |= {each for each, _ in late}
-        elif innovation < -gate and innovation + bucket.gap >= -gate:
+            accepted |= {late_index for late_index, _ in late}
+        elif innovation < -limit and innovation + bucket.gap >= -limit:
             continue                    # no second sample confirms the smallest one
-        if abs(innovation) > gate:
+        if abs(innovation) > limit:
             kalman.set_offset(bucket.offset, FIRST_DEVIATION)
         else:
             kalman.correct(innovation, variance)
@@ -127,15 +129,6 @@ def _run(buckets: Sequence[Bucket], spreads: Sequence[float]) -> _Pass:
         last_time = bucket.time
         late.clear()
     return _Pass(accepted, jumps)
-
-
-def _path_changed(late: deque[tuple[int, float]], spread: float) -> bool:
-    """Whether so many buckets are late by the same amount that the path must have changed."""
-    if len(late) < EQUAL_BUCKETS:
-        return False
-    values = [value for _, value in late]
-    width = GATE_MARGIN + GATE_DEVIATIONS * (LEAST_DEVIATION + spread)
-    return max(values) - min(values) < width
 
 
 def _slope(buckets: Sequence[Bucket]) -> float:

@@ -18,7 +18,7 @@ that seems too early (a corrupted counter, a wrong time message) would bend it f
 *   A Kalman filter of offset and skew takes one measurement per bucket. It has two process models:
     one for a clock at an even temperature, whose skew is then known well enough to extrapolate
     while no sample can be trusted, and one for a clock that warms up. The variance of a
-    measurement follows from the gaps m2 - m1 of late: small for an adapter that is often read
+    measurement follows from the latest gaps m2 - m1: small for an adapter that is often read
     within a frame, large for one that is not.
 *   A measurement above the gate means that the host was late, and is rejected; unless that lasts
     for a minute, or ten buckets have the same value: then the path has changed. Its own wide gap
@@ -26,10 +26,11 @@ that seems too early (a corrupted counter, a wrong time message) would bend it f
 *   A measurement below the gate means that all samples before were late, and is followed at once;
     but only if the second smallest residual confirms it.
 
-The first half second follows the running minimum, so that there is an estimate at once.
+During the first half second the estimate follows the running minimum, and exists at once.
 """
 
 from collections import deque
+from collections.abc import Collection
 import math
 
 from bahrs_driver.clock.estimation.kalman import OffsetFilter, process_model
@@ -46,13 +47,24 @@ SPREAD_WEIGHT = 0.1
 ODD_GAP = 3                             # times the usual gap: wider gaps count as this wide
 FIRST_DEVIATION = 200 * NS_PER_US       # of the offset after the first span
 JUMP_DEVIATION = 100 * NS_PER_US
-ALONE = 10 * NS_PER_MS
-FIRST_LOOK = 70 * NS_PER_MS             # longer than an adapter or a busy line delays a byte
+OUTLIER_GAP = 10 * NS_PER_MS            # a wider gap: the first minimum is an outlier
+READY_AFTER = 70 * NS_PER_MS            # longer than an adapter or a busy line delays a byte
 PATIENCE = 60 * NS_PER_S
 # At an even temperature, and while the temperature changes.
 PROCESS_MODELS = (process_model(0.03, transition_probability=0.002),
                   process_model(0.5, transition_probability=0.05))
-EQUAL_BUCKETS = 10
+EQUAL_BUCKETS = 10                      # late by the same amount: the path has changed
+
+
+def gate(variance: float) -> float:
+    """Return the largest plausible innovation, in ns, of this variance."""
+    return GATE_DEVIATIONS * math.sqrt(variance) + GATE_MARGIN
+
+
+def nearly_equal(innovations: Collection[float], spread: float) -> bool:
+    """Return whether innovations differ by no more than the usual noise."""
+    width = GATE_MARGIN + GATE_DEVIATIONS * (LEAST_DEVIATION + spread)
+    return max(innovations) - min(innovations) < width
 
 
 class Tracker:
@@ -84,7 +96,7 @@ class Tracker:
     @property
     def ready(self) -> bool:
         """Whether more than the first samples support the estimate."""
-        return self._filter is not None and self._latest - self._begin >= FIRST_LOOK
+        return self._filter is not None and self._latest - self._begin >= READY_AFTER
 
     @property
     def rough(self) -> bool:
@@ -157,7 +169,7 @@ class Tracker:
 
     def _end_first_span(self, kalman: OffsetFilter, second: float) -> None:
         kalman.predict(self._lowest_time)
-        if ALONE < second < math.inf:       # too far below all others to be plausible
+        if OUTLIER_GAP < second < math.inf:
             kalman.set_offset(round(kalman.offset(kalman.time) + second), FIRST_DEVIATION)
         self._in_first_span = False
         self._accepted = kalman.time
@@ -167,28 +179,29 @@ class Tracker:
         kalman.predict(self._lowest_time)
         usual = LEAST_DEVIATION ** 2 + 2 * self.spread ** 2
         variance = usual + gap ** 2
-        early, late = (GATE_DEVIATIONS * math.sqrt(kalman.variance + noise) + GATE_MARGIN
-                       for noise in (variance, usual))
+        early_gate = gate(kalman.variance + variance)
         measured = lowest - min(gap, CLOSE_GAP)
-        if lowest < -early:
-            self._handle_early(kalman, lowest, second, early, variance)
-        elif measured > late:
+        if lowest < -early_gate:
+            self._handle_early(kalman, lowest, second, early_gate, variance)
+        elif measured > gate(kalman.variance + usual):
             self._reject_late(kalman, measured)
         else:
             usual_gap = min(gap, ODD_GAP * (LEAST_DEVIATION + self.spread))
             self.spread += SPREAD_WEIGHT * (usual_gap - self.spread)
             self._accept(kalman, measured, variance)
 
-    def _handle_early(self, kalman: OffsetFilter, lowest: float, second: float, gate: float,
-                      variance: float) -> None:
-        if second < -gate:
+    def _handle_early(self, kalman: OffsetFilter, lowest: float, second: float,
+                      early_gate: float, variance: float) -> None:
+        """Jump if the second smallest residual confirms the smallest, else use the second."""
+        if second < -early_gate:
             self._jump(kalman, lowest)
             return
         self.rejected += 1
-        if second <= gate:
+        if second <= early_gate:
             self._accept(kalman, second, variance)
 
     def _accept(self, kalman: OffsetFilter, measured: float, variance: float) -> None:
+        # A sample is more likely late than early, and counts less above the estimate.
         kalman.correct(measured, 2 * variance if measured > 0 else variance)
         self._accepted = kalman.time
         self._late.clear()
@@ -197,9 +210,8 @@ class Tracker:
         self.rejected += 1
         late = self._late
         late.append(measured)
-        width = GATE_MARGIN + GATE_DEVIATIONS * (LEAST_DEVIATION + self.spread)
-        equal = len(late) == EQUAL_BUCKETS and max(late) - min(late) < width
-        if equal or kalman.time - self._accepted > PATIENCE:
+        path_changed = len(late) == EQUAL_BUCKETS and nearly_equal(late, self.spread)
+        if path_changed or kalman.time - self._accepted > PATIENCE:
             self._jump(kalman, measured)
 
     def _jump(self, kalman: OffsetFilter, by: float) -> None:
