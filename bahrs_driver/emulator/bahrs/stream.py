@@ -83,7 +83,7 @@ class BahrsStream:
 
     @property
     def count(self) -> int:
-        """Number of samples since power-on."""
+        """Count of samples since power-on."""
         return self._count
 
     def set_integrity(self, signals: tuple[str, ...],
