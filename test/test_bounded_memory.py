@@ -22,7 +22,7 @@ from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.diagnostics.updater import Updater
 from bahrs_driver.monitor.topic_stats import MAX_ARRIVALS, TopicStats
-from bahrs_driver.pipeline import Notice, Pipeline
+from bahrs_driver.pipeline import Notice
 from bahrs_driver.protocol.bahrs.frames import build_frame
 from bahrs_driver.protocol.bahrs.messages import layouts
 from bahrs_driver.protocol.titan_m.frames import ANSWER_MARKER, checksum, CHECKSUM_ORDERS
@@ -46,7 +46,7 @@ class Driver:
         self.link = Link('loop://', 115200)
         self.sensor = sensor = parts_of(sensor_name)
         self.live = sensor.live(self.link)
-        self.pipeline = Pipeline(sensor.framer, sensor.codec, sensor.clock)
+        self.pipeline = sensor.pipeline()
         self.time_task = TimeTask(sensor.clock, sensor.health.stale)
         self.now = 0.0
         self.updater = Updater(

@@ -15,6 +15,7 @@ from bahrs_driver.clock import Clock
 from bahrs_driver.devices.nvm_reader import NvmReader
 from bahrs_driver.diagnostics.stream_health import StreamHealth
 from bahrs_driver.diagnostics.task import DiagnosticTask
+from bahrs_driver.pipeline import Pipeline
 from bahrs_driver.protocol.decoder import Decoder
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.message import Message
@@ -59,7 +60,7 @@ class Parts:
     """What decodes, stamps and converts one stream of bytes of a device."""
 
     framer: Framer
-    codec: Decoder
+    decoder: Decoder
     clock: Clock
     converter: Converter
     health: StreamHealth
@@ -74,3 +75,7 @@ class Parts:
     # Topics that services of the node publish, regenerated from a recording.
     service_topics: Mapping[str, type] = field(default_factory=dict)
     service_messages: Callable[[Message], Iterable[tuple[str, object]]] = _no_messages
+
+    def pipeline(self, clock: Clock | None = None) -> Pipeline:
+        """Return the pipeline of the stream, by default with the clock of the parts."""
+        return Pipeline(self.framer, self.decoder, clock or self.clock)

@@ -25,7 +25,7 @@ from bahrs_driver.node.diagnostics_publisher import DiagnosticsPublisher, TOPIC
 from bahrs_driver.node.nvm_services import NvmServices
 from bahrs_driver.node.sim_time import keep_host_time
 from bahrs_driver.node.topics import QUEUE_DEPTH, Topics
-from bahrs_driver.pipeline import DecodingFault, Notice, Pipeline
+from bahrs_driver.pipeline import DecodingFault, Notice
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.protocol.message import Message
 from bahrs_driver.settings.command_line import RosArguments
@@ -66,7 +66,7 @@ class DriverNode(ParameterNode):
         self._parts = parts = self._spec.parts(settings)
         self._link = _link(settings)
         self._live = live = parts.live(self._link)
-        self._pipeline = Pipeline(parts.framer, parts.codec, parts.clock)
+        self._pipeline = parts.pipeline()
         self._reader = PortReader(self._link, self._pipeline, self.faults,
                                   live.requests.lock if live.requests else nullcontext())
         self._topics = Topics(self, self._spec, settings)

@@ -20,7 +20,7 @@ from bahrs_driver.convert import raw
 from bahrs_driver.devices.parts import Parts
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.spec import AnyDevice
-from bahrs_driver.pipeline import Pipeline
+from bahrs_driver.pipeline import Unstamped
 from bahrs_driver.reprocess import replay_diagnostics
 from bahrs_driver.reprocess.byte_times import DeviceTimed
 from bahrs_driver.reprocess.decoding_faults import DecodingFaults
@@ -67,7 +67,7 @@ class Conversion:
         capture, clock = self._first_pass(progress)
         parts = self._make_parts()
         clock = clock or parts.clock
-        pipeline = Pipeline(parts.framer, parts.codec, clock)
+        pipeline = parts.pipeline(clock)
         topics = self._topics(parts)
         writer.begin(topics, {topic for topic in topics if topic in self._spec.latched()})
         order, log_clock = LogOrder(writer), LogClock()
@@ -100,13 +100,13 @@ class Conversion:
         if not self._capture.timed and self._spec.roles:
             timed = DeviceTimed(
                 self._capture, self._spec.roles,
-                lambda: Pipeline(self._make_parts().framer, parts.codec),
+                lambda: self._make_parts().pipeline(Unstamped()),
                 parts.time_label, self._start_ns, progress)
             return timed, timed.clock(round(self._settings.time.fixed_latency * NS_PER_S))
         smoothing = parts.clock.smoothing()
         if smoothing is None:
             return self._capture, None
-        pipeline = Pipeline(parts.framer, parts.codec, smoothing.first_pass)
+        pipeline = parts.pipeline(smoothing.first_pass)
         for _ in play_capture(self._capture, pipeline, LogClock()):
             progress('looking at the clock')
         return self._capture, smoothing.second_pass()

@@ -35,7 +35,7 @@ def flown():
     sent = emissions(make_device(motion), flight.duration / FASTER)
     parts = sensor('enu')
     frames = parts.framer.feed(b''.join(emission.data for emission in sent))
-    return list(zip((emission.truth for emission in sent), map(parts.codec.decode, frames)))
+    return list(zip((emission.truth for emission in sent), map(parts.decoder.decode, frames)))
 
 
 def angle_between(orientation, truth, convention):

@@ -13,7 +13,7 @@ from bahrs_driver.bag.serialization import serialized
 from bahrs_driver.clock import Instant
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.errors import LinkError
-from bahrs_driver.pipeline import Notice, Pipeline
+from bahrs_driver.pipeline import Notice
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.transport.link import Reading
 from bahrs_driver.transport.port_events import (
@@ -81,8 +81,7 @@ class _Node:
 
     def __init__(self, sensor, link: _ScriptedLink) -> None:
         self._sensor = sensor
-        self._reader = PortReader(link, Pipeline(sensor.framer, sensor.codec, sensor.clock),
-                                  FaultLog(self.note, lambda _: None))
+        self._reader = PortReader(link, sensor.pipeline(), FaultLog(self.note, lambda _: None))
         self._now = Instant(0, 0)
         self.published: list[tuple[str, bytes]] = []
 

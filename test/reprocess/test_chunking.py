@@ -104,13 +104,11 @@ def plain(message):
 def live(sizes):
     """Return topics and messages in the order in which the node publishes them."""
     sensor = DEVICES['bahrs'].parts(SETTINGS)
-    sensor.clock.begin(BYTE_NS)
+    pipeline = sensor.pipeline()
+    pipeline.open(BYTE_NS)
     published = []
     for data, raw in chunks(sizes):
-        frames = sensor.framer.feed(data)
-        sensor.clock.observe_read(Instant(raw, ORIGIN + raw), sensor.framer.received)
-        stamped = sensor.clock.stamp([(sensor.codec.decode(frame), frame) for frame in frames])
-        for message, _, stamp_ns in stamped:
+        for message, _, stamp_ns in pipeline.feed(data, Instant(raw, ORIGIN + raw)):
             published += sensor.converter.convert(message, stamp_ns)
     return [(topic, plain(message)) for topic, message in published]
 

@@ -1,0 +1,70 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of feeding a capture to a pipeline."""
+
+from pathlib import Path
+
+from bahrs_driver.bag.capture import Capture, Chunk
+from bahrs_driver.bag.log_clock import LogClock
+from bahrs_driver.bag.play_capture import play_capture
+from bahrs_driver.clock import ArrivalClock
+from bahrs_driver.pipeline import Pipeline
+from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
+from bahrs_driver.protocol.bahrs.messages import SyncPulseTime
+from bahrs_driver.protocol.framing import Framer
+
+FRAMES = [BahrsCodec().encode(SyncPulseTime(i, 1000 * i), 3) for i in range(4)]
+SIZE, BYTE_NS, START = len(FRAMES[0]), 86_805, 1_700_000_000_000_000_000
+UNFINISHED = b'NE\x03\x00\xf3'      # the header of a page, which hides the frame behind it
+
+
+class Chunks(Capture):
+    """A capture of given chunks."""
+
+    byte_ns = BYTE_NS
+
+    def __init__(self, *chunks):
+        super().__init__(Path('flight'), 0)
+        self._chunks = chunks
+
+    def chunks(self):
+        """Return them."""
+        return iter(self._chunks)
+
+
+def play(*chunks):
+    """Return the pipeline, and for each chunk what came of it."""
+    pipeline = Pipeline(Framer(BahrsFormat()), BahrsCodec(), ArrivalClock())
+    return pipeline, list(play_capture(Chunks(*chunks), pipeline, LogClock()))
+
+
+def sequences(played):
+    """Return the sequence numbers of the messages of each chunk."""
+    return [[event.message.sequence for event in item.events] for item in played]
+
+
+def test_messages_come_with_the_chunk_that_completes_them():
+    """Stamped by the time of its read; the end of the capture is a chunk without data."""
+    _, played = play(Chunk(FRAMES[0] + FRAMES[1][:5], START), Chunk(FRAMES[1][5:], START + 1000))
+    assert sequences(played) == [[0], [1], []]
+    assert played[0].events[0].stamp_ns == START - (SIZE + 5) * BYTE_NS
+    assert [item.moment.ros_ns for item in played] == [START, START + 1000, START + 1000]
+    assert [item.chunk.data for item in played] == [FRAMES[0] + FRAMES[1][:5], FRAMES[1][5:], b'']
+    assert not any(item.lost for item in played)
+
+
+def test_another_opening_of_the_port_is_another_stream():
+    """Half a frame at the end of one does not join the next; a hidden frame is delivered."""
+    pipeline, played = play(
+        Chunk(FRAMES[0] + UNFINISHED + FRAMES[1], START, opening=1),
+        Chunk(FRAMES[2][:9], START + 1, opening=3),
+        Chunk(FRAMES[2][9:] + FRAMES[3], START + 2, opening=4))
+    assert sequences(played) == [[0], [1], [], [], [3], []]
+    assert [item.lost for item in played] == [False, True, False, True, False, False]
+    assert pipeline.counters.streams == 3
+
+
+def test_an_empty_capture():
+    """It has no stream."""
+    pipeline, played = play()
+    assert played == [] and pipeline.counters.streams == 0
