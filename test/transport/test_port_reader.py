@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the reader of the port, on a link that is a script."""
+"""Tests of the reader of the port, with a scripted link."""
 
 import contextlib
 import threading
@@ -28,20 +28,20 @@ BUSY = LinkError('port is in use')
 
 
 class ScriptedLink:
-    """A link whose openings and readings are given beforehand; the test ends at the end."""
+    """A link with given openings and reads; `done` is set at their end."""
 
     name = 'port'
     byte_time_ns = 1000
 
     def __init__(self, openings):
-        """Take for each opening an error, or the chunks to read until the port is lost."""
+        """Set for each opening an error, or the chunks to read until the port is lost."""
         self._openings = iter(openings)
         self._chunks = iter(())
         self.closed = 0
         self.done = threading.Event()
 
     def connect(self):
-        """Fail or open, as the script says."""
+        """Fail or open, as the script demands."""
         opening = next(self._openings, None)
         if opening is None:
             self.done.set()
@@ -51,32 +51,32 @@ class ScriptedLink:
         self._chunks = iter(opening)
 
     def read(self):
-        """Return the next chunk, at a time that tells which it is."""
+        """Return the next chunk, always with the same instant."""
         chunk = next(self._chunks, GONE)
         if isinstance(chunk, LinkError):
             raise chunk
         return Reading(chunk, Instant(3_000_000, 10_000_000)) if chunk else None
 
     def cancel_read(self):
-        """Nothing waits here."""
+        """Do nothing: no read waits."""
 
     def close(self):
-        """Count."""
+        """Count the calls."""
         self.closed += 1
 
 
 def make_reader(link, clock=None, log=None, **parts):
-    """Return a reader that stamps with arrival."""
+    """Return a reader whose clock stamps with arrival times."""
     pipeline = Pipeline(parts.get('framer') or Framer(BahrsFormat()),
                         parts.get('decoder') or BahrsCodec(), clock or ArrivalClock())
     return PortReader(link, parts.get('pipeline') or pipeline, FaultLog(log or str, str))
 
 
 class Diary:
-    """Writes the events of a reader down."""
+    """Records the events of a reader."""
 
     def __init__(self):
-        """Begin with nothing."""
+        """Start empty."""
         self.entries = []
         self.readings = []
         self.connections = []
@@ -86,8 +86,8 @@ class Diary:
             PortOpened: self.opened, PortUsable: self.usable, PortUnavailable: self.unavailable,
             BytesRead: self.read, Silence: self.silence, Decoded: self.decoded}
 
-    def take(self, event):
-        """Write an event down."""
+    def record(self, event):
+        """Record an event."""
         self._handlers[type(event)](event)
 
     def opened(self, event):
@@ -96,12 +96,12 @@ class Diary:
         self.connections.append(event.connection)
 
     def usable(self, event):
-        """Note it."""
+        """Record it."""
         assert event.connection == self.connections[-1]
         self.entries.append('opened')
 
     def unavailable(self, event):
-        """Note why."""
+        """Record the reason."""
         self.ends += 1
         if not event.reported:
             self.entries.append(event.reason)
@@ -112,11 +112,11 @@ class Diary:
         self.readings.append(event.reading)
 
     def silence(self, _):
-        """Note it."""
+        """Record it."""
         self.entries.append('nothing')
 
     def decoded(self, event):
-        """Note the sequence numbers, and keep all of it."""
+        """Record the sequence numbers, and keep the latest messages."""
         self.entries += [item.text for item in event.events if isinstance(item, Notice)]
         self.faults += [item for item in event.events if isinstance(item, DecodingFault)]
         self.last = [item for item in event.events
@@ -126,7 +126,7 @@ class Diary:
 
 @contextlib.contextmanager
 def running(reader, take):
-    """Let a function take the events in a thread for the length of a block."""
+    """Pass events to a function, in a thread, for the length of a block."""
     def run():
         for event in reader.events():
             take(event)
@@ -142,14 +142,14 @@ def running(reader, take):
 
 @pytest.fixture
 def play(monkeypatch):
-    """Give a function that plays a script to its end and returns diary and reader."""
+    """Return a function that plays a script to its end and returns diary and reader."""
     monkeypatch.setattr(port_reader, 'FIRST_PAUSE', 0.001)
     monkeypatch.setattr(port_reader, 'LONGEST_PAUSE', 0.002)
 
     def run(*openings):
         link, diary = ScriptedLink(openings), Diary()
         reader = make_reader(link)
-        with running(reader, diary.take):
+        with running(reader, diary.record):
             assert link.done.wait(60)
         assert link.closed
         return diary, reader
@@ -158,13 +158,13 @@ def play(monkeypatch):
 
 
 def test_frames_of_one_read_come_together(play):
-    """Decoded, in order."""
+    """They are decoded, in order."""
     diary, _ = play([FRAMES[0] + FRAMES[1], b'', FRAMES[2]])
     assert diary.entries[:4] == ['opened', [0, 1], 'nothing', [2]]
 
 
-def test_bytes_are_handed_out_as_they_were_read(play):
-    """Each read for itself, frames or not, with its moment."""
+def test_bytes_are_yielded_as_they_were_read(play):
+    """Each read is an event with its instant, with or without frames."""
     pieces = [FRAMES[0][:5], b'', FRAMES[0][5:] + b'noise']
     diary, _ = play(pieces)
     assert [reading.data for reading in diary.readings] == [pieces[0], pieces[2]]
@@ -172,7 +172,7 @@ def test_bytes_are_handed_out_as_they_were_read(play):
 
 
 def test_stamps_count_back_from_the_end_of_the_read(play):
-    """Each by the bytes from its first on: two frames of 20 bytes and three bytes of a third."""
+    """By the bytes from the first of each: two frames of 20 bytes and three bytes of a third."""
     diary, _ = play([FRAMES[0] + FRAMES[1] + FRAMES[2][:3]])
     size = len(FRAMES[0])
     assert [received.stamp_ns for received in diary.last] == [
@@ -180,35 +180,35 @@ def test_stamps_count_back_from_the_end_of_the_read(play):
 
 
 def test_a_frame_cut_in_two_is_stamped_from_its_first_byte(play):
-    """The second read completes it, and all its bytes have been on the line by then."""
+    """The second read completes it; all its bytes have passed the line by then."""
     diary, _ = play([FRAMES[0][:7], FRAMES[0][7:]])
     assert diary.last[0].stamp_ns == 10_000_000 - 1000 * len(FRAMES[0])
 
 
 def test_a_lost_port_is_opened_again(play):
-    """And what it sends is received."""
+    """Its data is received."""
     diary, reader = play([FRAMES[0]], [FRAMES[1]], [FRAMES[2]])
     assert diary.entries[:8] == [
         'opened', [0], 'port is gone', 'opened', [1], 'port is gone', 'opened', [2]]
     assert reader.counters.times_opened == 3
 
 
-def test_the_same_reason_is_told_once(play):
-    """However often the port is tried."""
+def test_the_same_reason_is_reported_once(play):
+    """However often the port is tried again."""
     diary, _ = play(*[BUSY] * 5, [FRAMES[0]], *[BUSY] * 3)
     assert diary.entries[:5] == ['port is in use', 'opened', [0], 'port is gone', 'port is in use']
 
 
-def test_a_port_that_is_gone_need_not_be_told_to_be_missing(play):
-    """It is the same thing; another reason is told."""
+def test_a_port_that_is_gone_is_not_reported_as_missing_too(play):
+    """Both mean the same; another reason is reported."""
     diary, reader = play([FRAMES[0]], MISSING, MISSING, FORBIDDEN, MISSING, [FRAMES[1]])
     assert diary.entries[:7] == [
         'opened', [0], 'port is gone', 'port may not be opened', 'port does not exist',
         'opened', [1]]
 
 
-def test_a_port_that_is_lost_at_once_again_and_again_is_told_once(play):
-    """Such as a server that hangs up on a second client; until there are frames."""
+def test_a_port_that_is_lost_at_once_repeatedly_is_reported_once(play):
+    """Such as a server that hangs up on a second client; until frames arrive."""
     diary, reader = play(*[[b'Port already in use\r\n']] * 20, [b''], [FRAMES[0]],
                          [b'Port already in use\r\n'], [FRAMES[1]])
     assert [entry for entry in diary.entries if entry != 'nothing'][:8] == [
@@ -218,21 +218,21 @@ def test_a_port_that_is_lost_at_once_again_and_again_is_told_once(play):
     assert diary.streams == 24 and diary.ends >= 24
 
 
-def test_a_port_that_stays_open_is_told_without_frames(play, monkeypatch):
-    """After a while, though it was lost at once before."""
+def test_a_port_that_stays_open_is_reported_without_frames(play, monkeypatch):
+    """After STEADY seconds, although it was lost at once before."""
     monkeypatch.setattr(port_reader, 'STEADY', 0.0)
     diary, _ = play([b'x'], [b'x'])
     assert diary.entries[:4] == ['opened', 'port is gone', 'opened', 'port is gone']
 
 
 def test_half_a_frame_does_not_spoil_the_next_stream(play):
-    """What was begun before the cable was pulled is dropped."""
+    """A frame begun before the cable was pulled is dropped."""
     diary, reader = play([FRAMES[0][:11]], [FRAMES[1]])
     assert diary.entries[:4] == ['opened', 'port is gone', 'opened', [1]]
 
 
 def test_an_intact_frame_behind_half_a_frame_is_not_lost_with_the_cable(play):
-    """It was complete; only the half one before it hid it."""
+    """It is complete; only the half frame before it hid it."""
     half = BahrsCodec().encode(NavigationTime(1, 2, 3), 3)[:9]
     long_half = b'NE\x03\x00\xf3' + half[5:]
     diary, _ = play([long_half + FRAMES[4]])
@@ -240,13 +240,13 @@ def test_an_intact_frame_behind_half_a_frame_is_not_lost_with_the_cable(play):
 
 
 def test_events_name_their_connection(play):
-    """By its number, with the time that a byte takes on its line."""
+    """By number, and with the time of a byte on the line."""
     diary, _ = play([FRAMES[0]], BUSY, [FRAMES[1]])
     assert diary.connections == [Connection(1, 1000), Connection(2, 1000)]
 
 
 def test_the_pipeline_works_under_the_lock():
-    """But no event is yielded while it is held."""
+    """No event is yielded while it is held."""
     lock = threading.Lock()
     link, locked = ScriptedLink([FRAMES[:2]]), []
 
@@ -273,7 +273,7 @@ def test_the_pipeline_works_under_the_lock():
 
 
 def test_counters(play):
-    """Bytes, and why the port is not open."""
+    """They count bytes; the port is not open."""
     _, reader = play([FRAMES[0], FRAMES[1]], BUSY)
     counters = reader.counters
     assert counters.bytes_received == len(FRAMES[0]) + len(FRAMES[1])
@@ -282,15 +282,15 @@ def test_counters(play):
 
 
 class Failing:
-    """A part whose method fails at one of its first calls, and otherwise works."""
+    """A part whose method fails at one call and works at all others."""
 
     def __init__(self, part, method, turn, error):
-        """Fail with an error when the method is called for the turn-th time, from 0."""
+        """Raise an error at the call of the method with this number, from 0."""
         self._part, self._method, self._turn, self._error = part, method, turn, error
         self.failed = False
 
     def __getattr__(self, name):
-        """Return what the part has."""
+        """Return an attribute of the part."""
         found = getattr(self._part, name)
         if name != self._method:
             return found
@@ -319,7 +319,7 @@ FAULTS = (ValueError('bad'), KeyError(3), OSError(5, 'I/O'), RuntimeError(), Typ
                         for method in methods]),
        st.integers(0, 2), st.sampled_from(FAULTS))
 def test_no_fault_anywhere_ends_the_stream(where, turn, error):
-    """It costs what it happens to; the next frames, and the next opening, are as ever."""
+    """It costs the data it happens to; later frames and openings are not affected."""
     part, method = where
     link = ScriptedLink([FRAMES[:3] + [b''] * 3, FRAMES[3:6], FRAMES[6:8], FRAMES[8:]])
     diary, log = Diary(), []
@@ -333,16 +333,16 @@ def test_no_fault_anywhere_ends_the_stream(where, turn, error):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(port_reader, 'FIRST_PAUSE', 0.0)
         patch.setattr(port_reader, 'LONGEST_PAUSE', 0.0)
-        with running(reader, diary.take):
+        with running(reader, diary.record):
             assert link.done.wait(60)
-    heard = [entry for entry in diary.entries if isinstance(entry, list)]
-    assert heard[-1] == [8]
-    assert sum(map(len, heard)) >= len(FRAMES) - 4
+    batches = [entry for entry in diary.entries if isinstance(entry, list)]
+    assert batches[-1] == [8]
+    assert sum(map(len, batches)) >= len(FRAMES) - 4
     assert len(log) + len(diary.faults) == failing.failed
 
 
 def test_a_frame_that_cannot_be_decoded_costs_no_other(play, monkeypatch):
-    """Of the same read."""
+    """Not even those of the same read."""
     decode = BahrsCodec.decode
 
     def choosy(self, frame, now):
@@ -358,7 +358,7 @@ def test_a_frame_that_cannot_be_decoded_costs_no_other(play, monkeypatch):
 
 
 def test_pauses_grow_and_are_bounded(monkeypatch):
-    """From the first to the longest, doubling."""
+    """They double from FIRST_PAUSE to LONGEST_PAUSE."""
     pauses = []
     link, diary = ScriptedLink([BUSY] * 7), Diary()
     reader = make_reader(link)
@@ -369,13 +369,13 @@ def test_pauses_grow_and_are_bounded(monkeypatch):
             return super().wait(0)
 
     monkeypatch.setattr(reader, '_stopping', Watch())
-    with running(reader, diary.take):
+    with running(reader, diary.record):
         assert link.done.wait(60)
     assert pauses[:7] == pytest.approx([0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0])
 
 
 def test_stopping_does_not_wait_for_the_pause(monkeypatch):
-    """A missing port must not hold up the end."""
+    """A missing port does not delay the end."""
     monkeypatch.setattr(port_reader, 'FIRST_PAUSE', 3600)
     monkeypatch.setattr(port_reader, 'LONGEST_PAUSE', 3600)
     reader = make_reader(ScriptedLink([BUSY] * 2))
