@@ -4,7 +4,7 @@
 
 from collections.abc import Callable, Mapping
 
-from bahrs_driver.diagnostics.task import ERROR, Message, OK, STALE, Status, WARN
+from bahrs_driver.diagnostics.task import ERROR, OK, STALE, Status, Template, WARN
 from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.pipeline import PipelineCounters
 from bahrs_driver.protocol.framing import FramingCounters
@@ -14,21 +14,22 @@ TEXT_SHARE = 0.95           # of printable bytes, from which on a stream is text
 EXAMINE_PERIOD = 1.0        # s from one examination of the bytes to the next
 HYSTERESIS = 0.8            # of error_share, below which an unusable line is usable again
 
-NOTHING_RECEIVED = Message(STALE, 'Nothing received')
-INCOMPLETE = Message(STALE, 'Waiting for a whole frame')
-NO_FRAME = Message(ERROR, 'Bytes arrive, but no frame of a {sensor}: is {baud_rate} the baud rate '
-                          'of the device, and is it a {sensor}?', 'wrong baud rate')
-TEXT = Message(ERROR, 'Text arrives, but no frame of a {sensor}: another device is on this port',
-               'another device that sends text')
-OTHER_SENSOR = Message(ERROR, 'A {found} is on this port, not a {sensor}: set parameter sensor to '
-                              'it', 'the other sensor')
-UNKNOWN_TYPES = Message(ERROR, 'Only frames of unknown type arrive: is the {sensor} newer than '
-                               'this driver?', 'a protocol version that this driver does not know')
-UNUSABLE = Message(ERROR, '{share:.0%} of the frames are damaged: check cable, ground and baud '
-                          'rate', 'a bad cable')
-DAMAGED = Message(WARN, 'Just now: damaged frames {failures}, stray bytes {skipped}',
-                  'a frame damaged now and then')
-INTACT = Message(OK, 'All frames intact')
+NOTHING_RECEIVED = Template(STALE, 'Nothing received')
+INCOMPLETE = Template(STALE, 'Waiting for a whole frame')
+NO_FRAME = Template(ERROR, 'Bytes arrive, but no frame of a {sensor}: is {baud_rate} the baud '
+                           'rate of the device, and is it a {sensor}?', 'wrong baud rate')
+TEXT = Template(ERROR, 'Text arrives, but no frame of a {sensor}: another device is on this port',
+                'another device that sends text')
+OTHER_SENSOR = Template(ERROR, 'A {found} is on this port, not a {sensor}: set parameter sensor '
+                               'to it', 'the other sensor')
+UNKNOWN_TYPES = Template(ERROR, 'Only frames of unknown type arrive: is the {sensor} newer than '
+                                'this driver?',
+                         'a protocol version that this driver does not know')
+UNUSABLE = Template(ERROR, '{share:.0%} of the frames are damaged: check cable, ground and baud '
+                           'rate', 'a bad cable')
+DAMAGED = Template(WARN, 'Just now: damaged frames {failures}, stray bytes {skipped}',
+                   'a frame damaged now and then')
+INTACT = Template(OK, 'All frames intact')
 
 
 class FramingTask:
@@ -56,7 +57,7 @@ class FramingTask:
         self._unusable = False
         self._last_frame = (0, 0), 0    # frames, by opening of the port, and bytes up to it
         self._examined_at = -EXAMINE_PERIOD
-        self._reason: tuple[Message, dict[str, object]] = INCOMPLETE, {}
+        self._reason: tuple[Template, dict[str, object]] = INCOMPLETE, {}
         self._window = Window(self._counts)
 
     def run(self, status: Status) -> Status:
@@ -106,12 +107,12 @@ class FramingTask:
             self._last_frame = count, received
         return received - self._last_frame[1]
 
-    def _why_no_frames(self, now: float) -> tuple[Message, dict[str, object]]:
+    def _why_no_frames(self, now: float) -> tuple[Template, dict[str, object]]:
         if now - self._examined_at >= EXAMINE_PERIOD:
             self._examined_at, self._reason = now, self._examine_bytes()
         return self._reason
 
-    def _examine_bytes(self) -> tuple[Message, dict[str, object]]:
+    def _examine_bytes(self) -> tuple[Template, dict[str, object]]:
         sample = self._counters.last_bytes
         found = self._recognize(sample)
         if found and found != self._sensor:

@@ -4,12 +4,12 @@
 
 from collections.abc import Callable, Mapping
 
-from bahrs_driver.diagnostics.task import ERROR, Message, NO_DATA, OK, Status, WARN
+from bahrs_driver.diagnostics.task import ERROR, NO_DATA, OK, Status, Template, WARN
 from bahrs_driver.protocol.integrity import Integrity
 
-UNAVAILABLE = Message(ERROR, '{signals}', 'an unavailable signal')
-AT_RISK = Message(WARN, '{signals_at_risk}', 'a signal at integrity risk')
-SAFE = Message(OK, 'All signals safe')
+UNAVAILABLE = Template(ERROR, '{signals}', 'an unavailable signal')
+AT_RISK = Template(WARN, '{signals_at_risk}', 'a signal at integrity risk')
+SAFE = Template(OK, 'All signals safe')
 
 
 class IntegrityTask:

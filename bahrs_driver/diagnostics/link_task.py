@@ -5,20 +5,20 @@
 from collections.abc import Callable, Mapping
 
 from bahrs_driver.diagnostics.sharing_watch import SharingWatch
-from bahrs_driver.diagnostics.task import ERROR, Message, OK, seconds_ago, Status
+from bahrs_driver.diagnostics.task import ERROR, OK, seconds_ago, Status, Template
 from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.transport.explain import CAUSES
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.port_reader import LinkCounters
 from bahrs_driver.units import BITS_PER_BYTE
 
-NOT_OPEN = Message(ERROR, '{port} is not open yet')
-FAILED = Message(ERROR, '{reason}')
-SILENT = Message(ERROR, '{port} is open but silent: {hint}', 'a silent device')
-SHARED = Message(ERROR, 'another program is reading {port} and takes bytes from the driver '
-                        '({programs}): end it, {command} lists all',
-                 'another program takes bytes')
-OPEN = Message(OK, '{port} is open')
+NOT_OPEN = Template(ERROR, '{port} is not open yet')
+FAILED = Template(ERROR, '{reason}')
+SILENT = Template(ERROR, '{port} is open but silent: {hint}', 'a silent device')
+SHARED = Template(ERROR, 'another program is reading {port} and takes bytes from the driver '
+                         '({programs}): end it, {command} lists all',
+                  'another program takes bytes')
+OPEN = Template(OK, '{port} is open')
 
 
 class LinkTask:
@@ -31,7 +31,7 @@ class LinkTask:
     """
 
     name = 'Link'
-    messages = (SHARED, SILENT, *(Message(ERROR, text, cause) for cause, text in CAUSES.items()),
+    messages = (SHARED, SILENT, *(Template(ERROR, text, cause) for cause, text in CAUSES.items()),
                 FAILED, NOT_OPEN, OPEN)
 
     def __init__(self, link: Link, counters: LinkCounters, silence_timeout: float,

@@ -4,15 +4,15 @@
 
 from collections.abc import Container, Mapping
 
-from bahrs_driver.diagnostics.task import Message, OK, STALE, Status, WARN
+from bahrs_driver.diagnostics.task import OK, STALE, Status, Template, WARN
 from bahrs_driver.process.fault_log import FaultLog
 
 FAULT_LIFETIME = 10.0       # s for which a fault is shown
 
-FAULT = Message(WARN, 'Fault of the driver: {fault}', 'a fault of the driver itself')
-NOT_YET = Message(STALE, 'Nothing published yet')
-STOPPED = Message(STALE, 'Nothing published just now')
-PUBLISHING = Message(OK, 'Publishing')
+FAULT = Template(WARN, 'Fault of the driver: {fault}', 'a fault of the driver itself')
+NOT_YET = Template(STALE, 'Nothing published yet')
+STOPPED = Template(STALE, 'Nothing published just now')
+PUBLISHING = Template(OK, 'Publishing')
 
 
 class PublishingTask:

@@ -7,19 +7,19 @@ from collections.abc import Mapping
 
 from bahrs_driver.diagnostics.losses import LossCounter, SequenceLosses
 from bahrs_driver.diagnostics.rate_monitor import RateMonitor
-from bahrs_driver.diagnostics.task import Message, NO_DATA, OK, STALE, Status, WARN
+from bahrs_driver.diagnostics.task import NO_DATA, OK, STALE, Status, Template, WARN
 from bahrs_driver.diagnostics.window import Window
-from bahrs_driver.protocol.message import Message as DeviceMessage
+from bahrs_driver.protocol.message import Message
 
 RATE_SPAN = 2.0             # s over which a rate is measured
 LONGEST_GAP = 0.5           # s without any message, above which the device has paused
 SERVICE_TIMEOUT = 6.0       # s after the last request, by which diagnostics mode has ended
 
-LOST = Message(WARN, 'Lost just now: {counts}', 'lost frames')
-WRONG_RATES = Message(WARN, '{rates}', 'a message at a wrong rate')
-DIAGNOSTICS_MODE = Message(STALE, 'The device is in diagnostics mode; it leaves by itself 5 s '
-                                  'after the last request', 'a device in diagnostics mode')
-NOTHING_LOST = Message(OK, 'All messages at their rates')
+LOST = Template(WARN, 'Lost just now: {counts}', 'lost frames')
+WRONG_RATES = Template(WARN, '{rates}', 'a message at a wrong rate')
+DIAGNOSTICS_MODE = Template(STALE, 'The device is in diagnostics mode; it leaves by itself 5 s '
+                                   'after the last request', 'a device in diagnostics mode')
+NOTHING_LOST = Template(OK, 'All messages at their rates')
 
 
 class RatesTask:
@@ -53,7 +53,7 @@ class RatesTask:
         """Messages lost since the start, by name."""
         return self._losses.lost
 
-    def observe(self, message: DeviceMessage, now: float) -> None:
+    def observe(self, message: Message, now: float) -> None:
         """Count a message."""
         name = message.NAME
         if name not in self._expected:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from bahrs_driver.diagnostics.rates_task import RatesTask
 from bahrs_driver.diagnostics.task import DiagnosticTask
-from bahrs_driver.protocol.message import Message as DeviceMessage
+from bahrs_driver.protocol.message import Message
 
 
 class StreamHealth:
@@ -16,7 +16,7 @@ class StreamHealth:
         self._rates = rates
         self.tasks: Sequence[DiagnosticTask] = (rates, *tasks)
 
-    def observe(self, message: DeviceMessage, now: float) -> None:
+    def observe(self, message: Message, now: float) -> None:
         """Count a message that arrived at a time of time.monotonic()."""
         self._rates.observe(message, now)
 

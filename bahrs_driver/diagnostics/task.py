@@ -13,15 +13,15 @@ ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
 Staleness = Callable[[float], bool]
 
 
-class Message(NamedTuple):
-    """A message of a task: its level, and its text with the names of fields in braces."""
+class Template(NamedTuple):
+    """A message that a task can report: level, and text with the names of fields in braces."""
 
     level: bytes
     text: str
     cause: str = ''         # what is wrong, for the table in the README; '' for no row
 
 
-NO_DATA = Message(STALE, 'No data from the device')
+NO_DATA = Template(STALE, 'No data from the device')
 
 
 class Summary(NamedTuple):
@@ -41,9 +41,9 @@ class Status:
         self.report = Summary(STALE, '')
         self._collect: Callable[[float], Mapping[str, str]] | None = None
 
-    def summary(self, message: Message, **fields: object) -> 'Status':
+    def summary(self, template: Template, **fields: object) -> 'Status':
         """Set level and message; fields replace the names in braces."""
-        level, text, _ = message
+        level, text, _ = template
         self.report = Summary(level, text.format(**fields) if fields else text)
         return self
 
@@ -62,7 +62,7 @@ class DiagnosticTask(Protocol):
     name: str
 
     @property
-    def messages(self) -> tuple[Message, ...]:
+    def messages(self) -> tuple[Template, ...]:
         """Every message that the task can report."""
 
     def run(self, status: Status) -> Status:

@@ -5,23 +5,24 @@
 from collections.abc import Mapping
 
 from bahrs_driver.clock import Clock, TimeState
-from bahrs_driver.diagnostics.task import Message, NO_DATA, OK, Staleness, Status, WARN
+from bahrs_driver.diagnostics.task import NO_DATA, OK, Staleness, Status, Template, WARN
 
 UPDATE_PERIOD = 0.2     # s
 NOTICE_LIFETIME = 5.0   # s for which an event is shown
 LONG_CHUNK = 60         # bytes a read, above which an adapter holds bytes back
 
-EVENT = Message(WARN, '{event}', 'a host clock that was set, or a device that restarted')
-UNKNOWN_HELD = Message(WARN, 'Device time is not known: samples wait for it')
-UNKNOWN = Message(WARN, 'Device time is not known: stamps are arrival times',
-                  'no time message yet')
-NO_PULSES = Message(WARN, 'No sync pulses: stamps follow the arrival of samples',
-                    'sync pulses missing')
-ARRIVAL = Message(OK, 'Stamps are arrival times, as time.source says')
-REQUESTS_UNKNOWN = Message(OK, 'Stamps are arrival times: the times of the requests are not known')
-NO_ANSWER_YET = Message(OK, 'Nothing answered yet')
-EXCHANGE = Message(OK, 'Stamps are the middle of request and answer, within {spread_ms:.1f} ms')
-DEVICE_TIME = Message(OK, 'Stamps are device time on ROS time')
+EVENT = Template(WARN, '{event}', 'a host clock that was set, or a device that restarted')
+UNKNOWN_HELD = Template(WARN, 'Device time is not known: samples wait for it')
+UNKNOWN = Template(WARN, 'Device time is not known: stamps are arrival times',
+                   'no time message yet')
+NO_PULSES = Template(WARN, 'No sync pulses: stamps follow the arrival of samples',
+                     'sync pulses missing')
+ARRIVAL = Template(OK, 'Stamps are arrival times, as time.source says')
+REQUESTS_UNKNOWN = Template(
+    OK, 'Stamps are arrival times: the times of the requests are not known')
+NO_ANSWER_YET = Template(OK, 'Nothing answered yet')
+EXCHANGE = Template(OK, 'Stamps are the middle of request and answer, within {spread_ms:.1f} ms')
+DEVICE_TIME = Template(OK, 'Stamps are device time on ROS time')
 
 
 class TimeTask:
@@ -74,7 +75,7 @@ class TimeTask:
         }
 
 
-def _message(state: TimeState) -> Message:
+def _message(state: TimeState) -> Template:
     if state.source == 'arrival':
         return ARRIVAL
     if state.source == 'exchange':

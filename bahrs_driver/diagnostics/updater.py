@@ -14,13 +14,13 @@ import threading
 import time
 
 from bahrs_driver.diagnostics.names import status_name
-from bahrs_driver.diagnostics.task import DiagnosticTask, ERROR, Message, Status, Summary
+from bahrs_driver.diagnostics.task import DiagnosticTask, ERROR, Status, Summary, Template
 from bahrs_driver.process.fault_log import FaultLog
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
 MIN_INTERVAL = 0.05         # s from one report to the next
-TASK_FAILED = Message(ERROR, 'This check failed, its state is unknown: please report the fault '
-                             'that the log shows')
+TASK_FAILED = Template(ERROR, 'This check failed, its state is unknown: please report the fault '
+                              'that the log shows')
 _NUMBER = re.compile(r'\d+([.,]\d+)*')
 
 

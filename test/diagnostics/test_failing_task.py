@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A task that fails is shown as failed, and the others as they are."""
 
-from bahrs_driver.diagnostics.task import ERROR, Message, OK
+from bahrs_driver.diagnostics.task import ERROR, OK, Template
 from bahrs_driver.diagnostics.updater import Updater
 from bahrs_driver.process.fault_log import FaultLog
 from hypothesis import given, strategies as st
@@ -20,7 +20,7 @@ class Task:
         status.values_from(self._values)
         if self._errors[0]:
             raise self._errors[0]
-        return status.summary(Message(OK, 'fine'))
+        return status.summary(Template(OK, 'fine'))
 
     def _values(self, now):
         if self._errors[1]:

@@ -3,7 +3,7 @@
 """Tests of the tasks together, and of the self-test."""
 
 from bahrs_driver.diagnostics.self_test import answer
-from bahrs_driver.diagnostics.task import ERROR, Message, OK, Summary, WARN
+from bahrs_driver.diagnostics.task import ERROR, OK, Summary, Template, WARN
 from bahrs_driver.diagnostics.updater import MIN_INTERVAL, Updater
 from diagnostic_msgs.srv import SelfTest
 from hypothesis import given, strategies as st
@@ -20,7 +20,7 @@ class StubTask:
     def run(self, status):
         """Report level, message and the time."""
         status.values_from(self._values)
-        return status.summary(Message(self.level, self.message), now=status.now)
+        return status.summary(Template(self.level, self.message), now=status.now)
 
     def _values(self, now):
         self.collected += 1

@@ -4,19 +4,19 @@
 
 from collections.abc import Callable, Mapping
 
-from bahrs_driver.diagnostics.task import Message, NO_DATA, OK, Staleness, Status, WARN
+from bahrs_driver.diagnostics.task import NO_DATA, OK, Staleness, Status, Template, WARN
 from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.bahrs.messages import HardwareVersion, Navigation, SoftwareVersion
-from bahrs_driver.protocol.message import Message as DeviceMessage
+from bahrs_driver.protocol.message import Message
 
 # No aircraft is lower, but a pressure height above 4,500 m is if it is read as int16.
 LEAST_HEIGHT = -1000.0              # m
 
-WRONG_HEIGHT = Message(WARN, f'The pressure height is below {LEAST_HEIGHT:.0f} m: is '
-                             'pressure_height.format right? Devices send uint16',
-                       'a height read with the wrong sign')
-NO_VERSION = Message(OK, 'No version received: the device sends it only at power-on')
-VERSION = Message(OK, '{version}')
+WRONG_HEIGHT = Template(WARN, f'The pressure height is below {LEAST_HEIGHT:.0f} m: is '
+                              'pressure_height.format right? Devices send uint16',
+                        'a height read with the wrong sign')
+NO_VERSION = Template(OK, 'No version received: the device sends it only at power-on')
+VERSION = Template(OK, '{version}')
 
 
 class DeviceTask:
@@ -32,7 +32,7 @@ class DeviceTask:
         self._hardware: HardwareVersion | None = None
         self._wrong_height = False
 
-    def observe(self, message: DeviceMessage) -> None:
+    def observe(self, message: Message) -> None:
         """Remember the versions, and check the height, in a message."""
         if isinstance(message, SoftwareVersion):
             self._software = message

@@ -10,7 +10,7 @@ from bahrs_driver.diagnostics.rates_task import RatesTask
 from bahrs_driver.diagnostics.stream_health import StreamHealth
 from bahrs_driver.protocol.bahrs.messages import SoftwareVersion
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.protocol.message import Message as DeviceMessage
+from bahrs_driver.protocol.message import Message
 
 # Messages a second of a device of any version.
 EXPECTED_RATES = {'inertial': 200.0, 'navigation': 100.0, 'accuracy': 10.0,
@@ -30,7 +30,7 @@ class BahrsHealth(StreamHealth):
         """Show the status of the NVM session."""
         self._device.nvm_status = status
 
-    def observe(self, message: DeviceMessage, now: float) -> None:
+    def observe(self, message: Message, now: float) -> None:
         """Update the tasks with a message, received at a monotonic time in seconds."""
         if isinstance(message, SoftwareVersion):        # sent at power-on only
             self.restart()

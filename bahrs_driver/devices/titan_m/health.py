@@ -9,19 +9,19 @@ from bahrs_driver.convert.titan_m.gps_status import GpsStatus
 from bahrs_driver.diagnostics.losses import RequestLosses
 from bahrs_driver.diagnostics.rates_task import RatesTask
 from bahrs_driver.diagnostics.stream_health import StreamHealth
-from bahrs_driver.diagnostics.task import Message, NO_DATA, OK, Staleness, Status, WARN
-from bahrs_driver.protocol.message import Message as DeviceMessage
+from bahrs_driver.diagnostics.task import NO_DATA, OK, Staleness, Status, Template, WARN
+from bahrs_driver.protocol.message import Message
 from bahrs_driver.protocol.titan_m.byte_order import PayloadDecoder
 from bahrs_driver.protocol.titan_m.messages import TitanAnswer
 from bahrs_driver.protocol.titan_m.poller import Poller
 
-ORDER_UNKNOWN = Message(WARN, 'The byte order of payloads is not known yet, {held} answers wait '
-                              'for it: set payload_order if you know it')
-IMPLAUSIBLE = Message(WARN, 'Answers are read as {order}-endian and make no sense: is '
-                            'payload_order right?', 'answers read in the wrong byte order')
-WRONG_WEEK = Message(WARN, '{problem}', 'an unknown or wrong GPS week')
-NO_FIX = Message(WARN, 'GPS: {gps}', 'no fix')
-GPS = Message(OK, 'GPS: {gps}')
+ORDER_UNKNOWN = Template(WARN, 'The byte order of payloads is not known yet, {held} answers wait '
+                               'for it: set payload_order if you know it')
+IMPLAUSIBLE = Template(WARN, 'Answers are read as {order}-endian and make no sense: is '
+                             'payload_order right?', 'answers read in the wrong byte order')
+WRONG_WEEK = Template(WARN, '{problem}', 'an unknown or wrong GPS week')
+NO_FIX = Template(WARN, 'GPS: {gps}', 'no fix')
+GPS = Template(OK, 'GPS: {gps}')
 
 
 class TitanDeviceTask:
@@ -79,7 +79,7 @@ class TitanHealth(StreamHealth):
         self._payloads = payloads
         self._released = 0              # answers that were observed before they were decoded
 
-    def observe(self, message: DeviceMessage, now: float) -> None:
+    def observe(self, message: Message, now: float) -> None:
         """Update the tasks with a message, received at a monotonic time in seconds."""
         if isinstance(message, TitanAnswer) and self._released < self._payloads.released:
             self._released += 1         # it was observed undecoded, when it arrived

@@ -4,9 +4,7 @@
 
 from collections.abc import Mapping
 
-from bahrs_driver.diagnostics.task import (
-    ERROR, Message, NO_DATA, OK, Staleness, Status, WARN,
-)
+from bahrs_driver.diagnostics.task import ERROR, NO_DATA, OK, Staleness, Status, Template, WARN
 from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.protocol.titan_m.messages import REQUESTS
 from bahrs_driver.protocol.titan_m.poller import Poller, UNANSWERED
@@ -14,17 +12,17 @@ from bahrs_driver.units import NS_PER_MS
 
 SLOW_NS = 10_000_000        # from a request to its answer, without their time on the line
 
-NOT_WRITTEN = Message(ERROR, '{write_error}', 'requests that cannot be written')
-NO_ANSWER = Message(ERROR, 'No request is answered: is the device a titan_m, powered, and is its '
-                           'receiving line connected?', 'a Titan-M that does not answer')
-TOO_SLOW = Message(WARN, 'The line, device or host is too slow for the requested rates: '
-                         '{rate_remedy}',
-                   'rates that line, device or host cannot keep')
-ANSWERS_MISSING = Message(WARN, '{count} requests without an answer just now',
-                          'answers lost now and then')
-UNEXPECTED = Message(WARN, '{count} answers that came too late or twice just now',
-                     'answers that come too late')
-ANSWERED = Message(OK, 'All requests answered')
+NOT_WRITTEN = Template(ERROR, '{write_error}', 'requests that cannot be written')
+NO_ANSWER = Template(ERROR, 'No request is answered: is the device a titan_m, powered, and is its '
+                            'receiving line connected?', 'a Titan-M that does not answer')
+TOO_SLOW = Template(WARN, 'The line, device or host is too slow for the requested rates: '
+                          '{rate_remedy}',
+                    'rates that line, device or host cannot keep')
+ANSWERS_MISSING = Template(WARN, '{count} requests without an answer just now',
+                           'answers lost now and then')
+UNEXPECTED = Template(WARN, '{count} answers that came too late or twice just now',
+                      'answers that come too late')
+ANSWERED = Template(OK, 'All requests answered')
 LATENCY_REMEDY = 'set the latency timer of the adapter to 1 ms, or request.pipelined'
 RATE_REMEDY = 'lower state.rate, gps.rate or sensors.rate'
 
@@ -76,7 +74,7 @@ class RequestsTask:
             'Turns left out': str(poller.skipped),
             'Slowest answer [ms]': 'unknown' if slowest is None else f'{slowest / NS_PER_MS:.1f}',
             'Checksum byte order of requests': poller.checksum_order,
-            'Message ids come back': 'yes' if poller.returns_ids else 'not seen',
+            'Template ids come back': 'yes' if poller.returns_ids else 'not seen',
         }
 
     @property
