@@ -4,7 +4,7 @@
 The troposphere of the International Standard Atmosphere (ISO 2533), below 11,000 m.
 
 A pressure height is by definition the height at which the standard atmosphere has the measured
-static pressure, so the pressure follows from it exactly, whatever the weather.
+static pressure, so the pressure follows from it exactly, in any weather.
 """
 
 from bahrs_driver.units import STANDARD_GRAVITY

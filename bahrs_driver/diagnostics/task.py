@@ -18,7 +18,7 @@ class Template(NamedTuple):
 
     level: bytes
     text: str
-    cause: str = ''         # what is wrong, for the table in the README; '' for no row
+    cause: str = ''         # the cause in the table of the README; '' for no row
 
 
 NO_DATA = Template(STALE, 'No data from the device')
@@ -32,7 +32,7 @@ class Summary(NamedTuple):
 
 
 class Status:
-    """What a task reports at one time. Values are collected only if somebody asks for them."""
+    """The report of a task at one time. Values are collected on request only."""
 
     __slots__ = ('now', 'report', '_collect')
 

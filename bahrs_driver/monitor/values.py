@@ -3,8 +3,8 @@
 """
 Format the messages of each topic for people.
 
-Nothing here raises, whatever a message holds: numbers may be NaN, infinite or huge, and lists
-empty or very long.
+No function raises for any message: numbers may be NaN, infinite or huge, and lists empty or very
+long.
 """
 
 from collections.abc import Callable

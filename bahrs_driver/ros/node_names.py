@@ -38,7 +38,7 @@ class Selection(NamedTuple):
         return self.name in ('', name) and self.namespace in ('', namespace)
 
     def __str__(self) -> str:
-        """Return the selection in words."""
+        """Return the selection as text."""
         what = f'node named {self.name}' if self.name else 'driver'
         return f'{what} in namespace {self.namespace}' if self.namespace else what
 

@@ -53,7 +53,7 @@ class Target(NamedTuple):
 
 
 def why_not_open(target: Target, error: Exception) -> LinkError:
-    """Return why a port cannot be opened, whatever the error is."""
+    """Return why a port cannot be opened, for any error."""
     return _guarded(_why_no_server if not target.path else _why_no_device, target, error,
                     f'{target.name} cannot be opened: {plain(error)}')
 

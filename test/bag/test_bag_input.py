@@ -88,7 +88,7 @@ def test_a_message_that_cannot_be_decoded(name, reason):
 @pytest.mark.parametrize('bad', [b'', b'\0\1\0\0', b'\0\1', b'\xff' * 40, b'\x28\xb5\x2f\xfdxxxx',
                                  b'\0\1\0\0' + b'\xff' * 8])
 def test_bad_messages_among_good_ones(tmp_path, plugin, bad):
-    """The others are read, and a note says how many were not."""
+    """The others are read, and a note has the number of the others."""
     items = messages()
     for place in (10, 5, 0):
         items.insert(place, (10 ** 18 + 1000 + place, bad))

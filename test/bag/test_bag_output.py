@@ -58,7 +58,7 @@ def with_mcap(folder):
 
 
 def information(folder):
-    """Return what metadata.yaml says."""
+    """Return the contents of metadata.yaml."""
     return yaml.safe_load((folder / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
 
 
@@ -169,7 +169,7 @@ def small_disk():
 
 
 def test_no_room(tmp_path):
-    """A sentence says so; all up to the last good flush can be read."""
+    """A sentence reports it; all messages up to the last good flush can be read."""
     bag, sent, good = BagWriter(tmp_path / 'bag'), [], 0
     bag.add_topics(TOPICS)
     with small_disk(), \

@@ -32,7 +32,7 @@ def test_byte_file(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize('plugin', StoragePlugin)
 def test_bag(tmp_path, plugin):
-    """Bytes and times of each read, from what the label says."""
+    """Bytes and times of each read, from the label."""
     read = read_capture(write_bag(tmp_path / 'bag', plugin))
     assert (read.sensor, read.byte_ns, read.timed) == ('bahrs', 86805, True)
     assert list(read.chunks()) == list(read.chunks()) == CHUNKS
@@ -95,7 +95,7 @@ def test_bytes_of_somebody_else(tmp_path):
 
 
 def test_several_topics_of_raw_bytes(tmp_path):
-    """One is read, and the others are told of; naming one helps."""
+    """One is read, and a note names the others; the user may name one."""
     path = write_bag(tmp_path / 'bag', StoragePlugin.MCAP, ('/one/raw', '/two/raw'))
     read = read_capture(path)
     assert list(read.chunks()) == CHUNKS
@@ -109,14 +109,14 @@ def test_several_topics_of_raw_bytes(tmp_path):
     (lambda path: path.with_suffix('.mcap').write_bytes(b'x'), 'No such file'),
 ])
 def test_what_cannot_be_read(tmp_path, make, sentence):
-    """One sentence says why."""
+    """One sentence has the reason."""
     make(tmp_path / 'bag')
     with pytest.raises(CaptureError, match=sentence):
         read_capture(tmp_path / 'bag')
 
 
 def test_files_that_are_no_bags(tmp_path):
-    """Whatever their name says."""
+    """For any name."""
     for suffix in ('.mcap', '.db3'):
         file = tmp_path / f'file{suffix}'
         for content in (b'', b'x', bytes(1000)):
@@ -126,7 +126,7 @@ def test_files_that_are_no_bags(tmp_path):
 
 
 def test_bag_without_raw(tmp_path):
-    """The sentence says how to record it."""
+    """The sentence has the command that records it."""
     with pytest.raises(CaptureError, match='publish.raw'):
         read_capture(write_bag(tmp_path / 'bag', StoragePlugin.MCAP, ()))
 
@@ -143,5 +143,5 @@ def test_label(metadata):
     f'sensor=bahrs opening=1 byte_ns=1 ros_ns={2 ** 63} raw_ns=1',
     'sensor=bahrs opening=1 byte_ns=1 ros_ns=-1 raw_ns=1'])
 def test_label_of_somebody_else(label):
-    """It says nothing."""
+    """It has no metadata."""
     assert parse_label(label) is None

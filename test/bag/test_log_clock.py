@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of log times: even over a clock that is set, and never back whatever a recording says."""
+"""Tests of log times: even over a clock that is set, and never decreasing."""
 
 from bahrs_driver.bag.log_clock import LATEST, LogClock, MAX_STEPS, Moment
 from hypothesis import given, strategies as st
@@ -44,7 +44,7 @@ def test_without_a_steady_clock():
 
 
 def test_a_host_that_was_started_again():
-    """Its steady clock begins anew: time goes on by ROS time, which was not set."""
+    """Its steady clock restarts: log time continues by ROS time, which was not set."""
     clock = LogClock()
     moments = [clock.observe(ROS, 500 * S), clock.observe(ROS + 90 * S, 20 * S),
                clock.observe(ROS + 91 * S, 21 * S)]

@@ -15,7 +15,7 @@ from std_msgs.msg import String, UInt8MultiArray
 from support.waiting import wait_for
 
 EARLIER = 50        # messages of one publisher before anybody listened
-LATER = 20          # messages when somebody does
+LATER = 20          # messages when one does
 PERIOD = 0.02       # s from one to the next
 
 
@@ -77,7 +77,7 @@ def test_several_publishers_of_a_topic_lose_nothing():
 
 def test_a_driver_that_is_started_after_the_recorder(monkeypatch):
     """What it published before both had found each other is counted."""
-    monkeypatch.setattr(recorder_module, 'DISCOVERY', 0.0)      # or its rate would have to tell
+    monkeypatch.setattr(recorder_module, 'DISCOVERY', 0.0)      # else its rate decides
     with recording('late') as (recorder, came), publishing('late') as publisher:
         publish(publisher, 1)
         while not publisher.get_subscription_count():

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what sequence numbers tell of messages that never came."""
+"""Tests of the messages that sequence numbers show as missing."""
 
 from bahrs_driver.bag.sequence_count import missed, SequenceCount
 from hypothesis import given, strategies as st
@@ -35,7 +35,7 @@ def test_gaps_are_losses():
 
 
 def test_a_driver_that_was_started_later():
-    """The rate of the fastest topic tells; what is rare goes with it."""
+    """The rate of the fastest topic decides for rare topics, too."""
     fast = counted(range(300, 500), begin=10 * S)
     slow = counted([3, 4], period=S, begin=10 * S)
     once = counted([2], begin=12 * S)

@@ -1,7 +1,7 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What holds for all that is published, whatever a device says: generated messages of both devices.
+Invariants of all published values, for generated messages of both devices.
 
 A NaN, a variance of 0 and a quaternion whose sign flips are values that mislead consumers.
 """
@@ -106,7 +106,7 @@ def check_covariances(published, known):
 
 
 def check_imu(published):
-    """Check that what is NaN is not reported, or has a variance that says so."""
+    """Check that NaN is not reported, or has the unknown variance."""
     for _, message in published:
         if isinstance(message, Imu):
             for vector, matrix in (
@@ -141,7 +141,7 @@ def test_a_deviation_of_0_is_unknown_for_a_bahrs(stream):
 
 @given(titan_streams, st.booleans())
 def test_no_variance_of_a_titan_m_is_zero(stream, known):
-    """Unless the user says that it is unknown, and then not beside one that is known."""
+    """Unless the user sets it to unknown, and then not beside a known one."""
     unknown = replace(DEVIATIONS, **dict.fromkeys(
         ('attitude', 'velocity', 'position', 'field', 'force'), 0.0))
     published = from_titan(stream, deviations=DEVIATIONS if known else unknown)

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what the console says of a lasting error."""
+"""Tests of the log lines for lasting errors."""
 
 from bahrs_driver.diagnostics.problem_log import MIN_DURATION, ProblemLog
 from bahrs_driver.diagnostics.task import ERROR, OK, STALE, Summary, WARN

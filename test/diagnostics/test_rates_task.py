@@ -24,7 +24,7 @@ def inertial(sequence):
     (7, 7, 0.0, 0),             # repeated
     (7, 8, 1.285, 256),         # a whole turn of the counter is missing
     (7, 8, 1.300, 256),         # and its last frame came late
-    (7, 6, 0.016, 0),           # not a whole turn in three periods: the device began anew
+    (7, 6, 0.016, 0),           # not a whole turn in three periods: the device restarted
     (0, 100, 3.06, 611),
 ])
 def test_lost_messages_by_counter_and_time(last, sequence, seconds, lost):
@@ -98,7 +98,7 @@ def test_a_rate_at_the_edge_of_its_tolerance_is_not_another_at_every_message():
 
 
 def test_a_rate_is_not_wrong_because_the_stream_had_paused():
-    """As at the start of the real device, 2.7 s after its first sample: that is told as stale."""
+    """As at the start of the real device, 2.7 s after its first sample: reported as stale."""
     stream = Stream()
     stream.run(0.005)
     assert summary_of(stream.task, stream.now + 2.7).level == STALE

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of when another program on the port is looked for, and what is said of it."""
+"""Tests of the search for other programs on the port."""
 
 import os
 from types import SimpleNamespace

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what each task says, and when."""
+"""Tests of the messages of each task."""
 
 import random
 from types import SimpleNamespace
@@ -57,7 +57,7 @@ def test_a_silent_port_is_an_error_that_says_what_to_look_at(last_data):
 
 @pytest.mark.parametrize('hint, end', [(HINT, '?'), ('Look', '.'), ('Look.', '')])
 def test_a_silent_server_is_not_the_connection(hint, end):
-    """Keep-alive would have noticed; the hint of the sensor ends before this is said."""
+    """Keep-alive would have reported it; a full stop ends the hint before this sentence."""
     link = SimpleNamespace(name='socket://h:1', path='', is_network=True, stolen=0)
     task = LinkTask(link, LinkCounters(open_since=1.0), 1.0, hint, int)
     assert summary_of(task, 100.0).message.endswith(

@@ -63,7 +63,7 @@ def test_values():
 
 
 def test_values_of_a_device_that_is_asked():
-    """Nothing about a time that it does not tell."""
+    """Values of a clock without device time."""
     values = values_of(made(Fixed(source='exchange', in_use='exchange', spread_us=431.25)), 0.0)
     assert values['Half a request and its answer, median [us]'] == '431.2'
     assert not {'Skew [ppm]', 'Epochs', 'Sync pulses'} & set(values)

@@ -91,7 +91,7 @@ def test_numbers_alone_are_no_change(clock):
     st.floats(0.0, 0.2), st.sampled_from([OK, WARN, ERROR]), st.sampled_from('abc')),
     min_size=1))
 def test_reports_are_apart_and_the_final_state_is_among_them(steps):
-    """Whatever changes how often, if somebody asks once more after the interval."""
+    """For any changes, if change_due() is called once more after the interval."""
     clock, task = Clock(), StubTask('Integrity', OK, 'a')
     updater, reports = Updater([task], 'bahrs_driver', '', clock), []
 

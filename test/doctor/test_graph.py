@@ -47,14 +47,14 @@ def results(node, publishers, subscribers):
 
 
 def test_no_driver(node):
-    """It is said."""
+    """It is reported."""
     result = results(node, 0, 0)['driver']
     assert 'no driver runs' in result.message
     assert result.command.endswith('port:=/dev/ttyUSB7')
 
 
 def test_a_subscriber_that_fits(node):
-    """There is nothing to mend."""
+    """No problem is reported."""
     node.create_publisher(Imu, 'imu/data', 100)
     node.create_subscription(Imu, 'imu/data', lambda message: None, 10)
     found = results(node, 1, 1)
@@ -122,5 +122,5 @@ def test_two_drivers_of_one_name(node):
         assert wait_for(lambda: node_names(node).count('/left/bahrs_driver') == 2
                         and find_drivers(node), 60)
         messages = [result.message for result in check(node, '/dev/ttyUSB7', 0.0)]
-    assert '2 nodes are named /left/bahrs_driver: their diagnostics cannot be told apart' \
+    assert '2 nodes are named /left/bahrs_driver: their diagnostics cannot be distinguished' \
         in messages

@@ -12,7 +12,7 @@ from support.processes import running, wait_for
 
 
 def test_a_device_that_speaks():
-    """Version and rate are told; nothing is written to it."""
+    """Version and rate are reported; nothing is written to the port."""
     with PtyPort() as cable, Device(cable):
         found = list(check(cable.path, 115200, seconds=30.0))
     assert [result.level for result in found] == [Level.OK]
@@ -20,7 +20,7 @@ def test_a_device_that_speaks():
 
 
 def test_silence():
-    """It is told what to look at."""
+    """The message names what to check."""
     with PtyPort() as cable:
         found = list(check(cable.path, 115200, seconds=0.2))
     assert [result.level for result in found] == [Level.PROBLEM]
@@ -28,47 +28,47 @@ def test_silence():
 
 
 def test_no_port():
-    """What opening it says is said."""
+    """The message has the reason of the link."""
     (result,) = check('/dev/does_not_exist', 115200)
     assert result.level is Level.PROBLEM and 'does not exist' in result.message
 
 
 @pytest.fixture
-def heard(monkeypatch):
+def probed(monkeypatch):
     """Return a list of the rates listened at; frames come only at the rate that is set."""
     rates = []
 
     def probe(port, rate, seconds, ask):
         rates.append(rate)
-        if rate != heard.speaks_at:
+        if rate != probed.sends_at:
             return ProbeResult(rate, 900)
         return ProbeResult(rate, 900, 'BAHRS of protocol version 2', 'bahrs', 20, 0)
 
-    def heard():
+    def probed():
         return rates
 
-    heard.speaks_at = 0
+    probed.sends_at = 0
     monkeypatch.setattr(listening, 'probe', probe)
-    return heard
+    return probed
 
 
-def test_another_rate(heard):
+def test_another_rate(probed):
     """It is found, and the command has it."""
-    heard.speaks_at = 57600
+    probed.sends_at = 57600
     wrong, right = check('/dev/ttyUSB0', 115200)
     assert wrong.level is Level.PROBLEM and wrong.command.endswith('-p baud_rate:=57600')
     assert right.level is Level.OK and 'version 2 sends at 57600' in right.message
 
 
-def test_another_device(heard):
+def test_another_device(probed):
     """All rates are tried, each once."""
     (result,) = check('/dev/ttyUSB0', 115200)
     assert result.level is Level.PROBLEM and 'no frame of a BAHRS' in result.message
-    assert sorted(heard()) == sorted(listening.BAUD_RATES)
+    assert sorted(probed()) == sorted(listening.BAUD_RATES)
 
 
 def test_a_device_that_answers(tmp_path):
-    """A Titan-M is told to be asked, and asked if that is wanted; only then."""
+    """A Titan-M must be asked, and is asked only with the option."""
     port = str(tmp_path / 'port')
     with running('bahrs', 'emulate', '--sensor', 'titan_m', '--link', port) as emulator:
         assert wait_for(lambda: emulator.lines, 60)
@@ -78,9 +78,9 @@ def test_a_device_that_answers(tmp_path):
     assert found.level is Level.OK and 'a Titan-M answers at 115200 baud' in found.message
 
 
-def test_what_was_heard_is_returned(heard):
+def test_what_was_heard_is_returned(probed):
     """For the commands that follow."""
-    heard.speaks_at = 57600
+    probed.sends_at = 57600
     found = []
 
     def note():

@@ -29,7 +29,7 @@ def found(prefix, has_rclpy=True, **variables):
 
 
 def test_as_it_should_be(prefix):
-    """Nothing to mend."""
+    """No problem is reported."""
     results = found(prefix, ROS_DOMAIN_ID='7', ROS_LOG_DIR='/tmp',
                     RMW_IMPLEMENTATION='rmw_fastrtps_cpp')
     assert {result.level for result in results.values()} == {Level.OK}

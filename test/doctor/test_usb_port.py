@@ -67,7 +67,7 @@ def made_up(tmp_path):
 
 
 def test_a_machine_as_it_should_be(made_up):
-    """Nothing to mend."""
+    """No problem is reported."""
     found = made_up.results()
     assert set(found) == {'port', 'access', 'in use', 'ModemManager', 'latency timer', 'name'}
     assert {result.level for result in found.values()} == {Level.OK}
@@ -129,7 +129,7 @@ def test_a_port_of_nobody(made_up):
 
 
 def test_a_port_in_use(made_up):
-    """Process and name are told."""
+    """Process and name are reported."""
     made_up.runs(812, 'minicom', device='/dev/ttyUSB0')
     result = made_up.results()['in use']
     assert result.level is Level.PROBLEM and result.command == 'kill 812'
@@ -144,7 +144,7 @@ def test_a_port_that_the_driver_has(made_up):
 
 
 def test_modem_manager(made_up):
-    """It runs, and nothing tells it to leave the port alone."""
+    """It runs, and no udev rule excludes the port."""
     made_up.runs(600, 'ModemManager')
     result = made_up.results()['ModemManager']
     assert result.level is Level.PROBLEM and result.command == install_rule(RULE)
@@ -169,7 +169,7 @@ def test_a_slow_latency_timer(made_up):
 
 
 def test_an_adapter_without_a_latency_timer(made_up):
-    """There is nothing to be said."""
+    """Nothing is reported."""
     (made_up.root / 'sys/bus/usb-serial/devices/ttyUSB0/latency_timer').unlink()
     assert 'latency timer' not in made_up.results()
 

@@ -67,6 +67,6 @@ def test_the_tape_has_the_heading_in_the_middle():
 
 
 def test_no_attitude():
-    """It is said, and nothing is drawn."""
+    """A text replaces the picture."""
     text = no_horizon(31, 7, 'no attitude').plain
     assert 'no attitude' in text and GROUND not in text

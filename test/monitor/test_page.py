@@ -38,7 +38,7 @@ class Terminal:
         self._reader.start()
 
     def _read(self):
-        with contextlib.suppress(OSError):          # whoever writes has ended
+        with contextlib.suppress(OSError):          # the writer has ended
             while data := os.read(self._controller, 65536):
                 self._lines += data
 
@@ -78,7 +78,7 @@ def terminal(*words, size=(80, 24)):
 
 
 def test_data_shown_and_missed():
-    """Attitude, height and health live; then it is said that there is no more data."""
+    """Attitude, height and health live; then the page reports that data has stopped."""
     with PtyPort() as cable, terminal('bahrs', 'monitor') as page:
         assert page.shows('NO DRIVER'), page.text
         assert 'Layout' not in page.latest          # what rich draws where there is nothing
@@ -100,7 +100,7 @@ def test_data_shown_and_missed():
 
 
 def test_a_terminal_that_is_too_small():
-    """It is said which size would do."""
+    """The page names a sufficient size."""
     with terminal('bahrs', 'monitor', '--namespace', 'nobody', size=(40, 10)) as page:
         assert page.shows('80x24 is good'), page.text
         assert page.end() == 1

@@ -39,7 +39,7 @@ def test_an_attitude_that_is_not_reported():
 
 @pytest.mark.parametrize('convention, pitch', [('ned', '+20.00°'), ('enu', '-20.00°')])
 def test_a_yaw_that_is_not_known(convention, pitch):
-    """Its variance says so."""
+    """Its variance marks it."""
     message = imu(convention)
     message.orientation_covariance[8] = UNKNOWN_VARIANCE
     assert FORMATS['imu/data'](message) == f'roll +10.00° pitch {pitch} yaw -'
@@ -47,7 +47,7 @@ def test_a_yaw_that_is_not_known(convention, pitch):
 
 @pytest.mark.parametrize('w', [0.0, 2.0, math.nan, math.inf, 1e200])
 def test_a_quaternion_that_is_no_rotation(w):
-    """Such as the zeros of a message that nobody has filled in."""
+    """Such as the zeros of an empty message."""
     message = imu('enu')
     for name in 'xyz':
         setattr(message.orientation, name, 0.0)

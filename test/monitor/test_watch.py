@@ -24,7 +24,7 @@ def node():
 
 
 def test_hours_without_a_look_take_no_memory(monkeypatch):
-    """Only arrivals of the window are kept, though nobody asks for the rate."""
+    """Only arrivals of the window are kept, even if the rate is not read."""
     now = [0.0]
     monkeypatch.setattr(topic_stats.time, 'monotonic', lambda: now[0])
     stats = topic_stats.TopicStats()

@@ -56,7 +56,7 @@ def test_a_random_walk_is_read_off():
 
 @pytest.mark.parametrize('seed', range(5))
 def test_four_minutes_are_too_short_for_a_random_walk(seed):
-    """The curve rises, but not over a decade that is certain: the reason says what is needed."""
+    """The curve rises, but not over a decade that is certain: the reason names the time needed."""
     curve = allan(wandering(0.0005, 240.0, seed=seed), PERIOD)
     value, reason = curve.random_walk
     assert value is None and reason.startswith('rest too short, needs ')

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what is read out of a recording, and what is said about it."""
+"""Tests of the arrays and findings of a recording."""
 
 from bahrs_driver.bag.read_capture import read_capture
 from bahrs_driver.emulator.measurement_errors import MeasurementErrors
@@ -17,8 +17,8 @@ from support.recorded import gathered, MadeUp, recorded
 from support.shared_files import shared_file
 
 
-def said(recording, level=None):
-    """Return what is said about a recording, one sentence a line."""
+def sentences(recording, level=None):
+    """Return the findings about a recording, one sentence a line."""
     return '\n'.join(text for each, text in findings(recording, analyze_clock(recording))
                      if level in (None, each))
 
@@ -34,12 +34,12 @@ def test_a_good_recording():
     assert recording.navigation.seconds[1:5] - recording.navigation.seconds[:4] == pytest.approx(
         0.01)
     assert recording.software.project == 'EMU' and recording.hardware is not None
-    assert said(recording, ERROR) == said(recording, WARNING) == ''
+    assert sentences(recording, ERROR) == sentences(recording, WARNING) == ''
     for sentence in ('frames are intact', 'No inertial sample is missing',
                      'name the sample after'):
-        assert sentence in said(recording, GOOD)
+        assert sentence in sentences(recording, GOOD)
     # As the real device, it has no navigation solution for the first moments.
-    assert said(recording, NOTICE).startswith(
+    assert sentences(recording, NOTICE).startswith(
         'Pressure height, velocity down, roll, pitch and magnetic heading: unavailable for the '
         'first 0.08 s.')
 
@@ -58,13 +58,13 @@ def test_the_drift_of_the_clock(drift):
     analysis = analyze_clock(recording)
     assert analysis.drift_ppm == pytest.approx(drift, abs=5.0)
     assert 0.0 <= analysis.delay.min() and analysis.late_99 < 0.008
-    assert ('drifts' in said(recording, WARNING)) == (abs(drift) > 100)
+    assert ('drifts' in sentences(recording, WARNING)) == (abs(drift) > 100)
 
 
 def test_an_adapter_that_holds_bytes_back():
-    """It is told from the sizes of reads, and from when samples come."""
+    """The sizes of reads and the arrivals of samples show it."""
     recording = recorded(make_emulation(mode=adapter_mode('40')), every=0.002, seconds=20.0)
-    text = said(recording, NOTICE)
+    text = sentences(recording, NOTICE)
     assert 'timer of 1 ms' in text and 'One of 100 samples arrives more than' in text
 
 
@@ -98,7 +98,7 @@ def test_a_host_that_stalled():
 
 
 def test_a_host_clock_that_was_set_beside_one_that_nobody_sets():
-    """However little, it is told; delays have nothing to do with it."""
+    """Even a small step is reported; delays do not affect it."""
     class Stepped(MadeUp):
         def chunks(self):
             for chunk in super().chunks():
@@ -115,7 +115,7 @@ def test_losses_and_damage():
     emulation = make_emulation(bit_flip=0.0002, drop_frame=0.01)
     recording = recorded(emulation, seconds=30.0)
     assert recording.counters.crc_failures > 0
-    text = said(recording, WARNING)
+    text = sentences(recording, WARNING)
     assert 'damaged frames' in text and 'inertial samples are missing' in text
     whole = int(recording.inertial.seconds[-1] / 0.005 + 0.5) + 1
     lost = sum(each.missing for each in recording.time_axis.breaks)
@@ -123,13 +123,13 @@ def test_losses_and_damage():
 
 
 def test_integrity_in_words():
-    """Signals that were unsafe together are told of together."""
+    """Signals that were unsafe at the same times share a finding."""
     emulation = make_emulation()
     made = MadeUp(emulation, 20.0)
     signals = emulation.device.signals
 
     def at(moment, names, state):
-        """Change what signals are worth in the course of the recording."""
+        """Change the integrity of signals during the recording."""
         return moment, names, state
 
     plan = [at(5.0, signals[:3], Integrity.UNAVAILABLE), at(8.0, signals[:3], Integrity.SAFE),
@@ -143,15 +143,15 @@ def test_integrity_in_words():
 
     emulation.advance = advance_as_planned
     recording = gathered(made)
-    assert 'Specific force: unavailable for 3.00 s from 0:04.4.' in said(recording, WARNING)
-    assert 'Roll: integrity risk for 0.50 s from 0:09.4.' in said(recording, NOTICE)
+    assert 'Specific force: unavailable for 3.00 s from 0:04.4.' in sentences(recording, WARNING)
+    assert 'Roll: integrity risk for 0.50 s from 0:09.4.' in sentences(recording, NOTICE)
     assert recording.inertial.names == Inertial.SIGNALS
 
 
 def test_saturation():
-    """What is at the limit of its range is told."""
+    """A quantity at the limit of its range is reported."""
     loud = MeasurementErrors(1, {'angular_rate': 3.0}, {'angular_rate': (5.0, 0.0, 0.0)})
-    assert 'The angular rate is at the limit of its range' in said(
+    assert 'The angular rate is at the limit of its range' in sentences(
         recorded(make_emulation(make_device(errors=loud))), WARNING)
 
 
@@ -168,7 +168,7 @@ def test_a_restart():
 
     emulation.advance = advance_with_restart
     recording = recorded(emulation, seconds=20.0)
-    assert 'The device restarted before 0:' in said(recording, WARNING)
+    assert 'The device restarted before 0:' in sentences(recording, WARNING)
     assert [each.kind for each in recording.time_axis.breaks] == [BreakKind.RESTARTED]
     assert np.all(np.diff(recording.time_axis.seconds) > 0)
 
@@ -177,7 +177,7 @@ def test_the_real_recording():
     """What is known of it is found: a device at rest, without a heading, that paused once."""
     recording = gathered(read_capture(shared_file('data/bahrs_recording_v2.bin')))
     assert recording.counts['inertial'] == 47_837 and recording.versions == {2: 78_932}
-    assert 'Magnetic heading: unavailable throughout.' in said(recording, WARNING)
-    assert 'nothing for 2.7 s' in said(recording, NOTICE)
-    assert 'No inertial sample is missing.' in said(recording, GOOD)
+    assert 'Magnetic heading: unavailable throughout.' in sentences(recording, WARNING)
+    assert 'nothing for 2.7 s' in sentences(recording, NOTICE)
+    assert 'No inertial sample is missing.' in sentences(recording, GOOD)
     assert recording.navigation_label == recording.time_axis.label_ahead == 1

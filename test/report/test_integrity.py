@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what is said about integrity: no stretch hides behind another one."""
+"""Tests of the findings about integrity: no interval hides another one."""
 
 import re
 from types import SimpleNamespace
@@ -18,7 +18,7 @@ NAMES = ('pressure_height', 'roll')
 NOTHING = Signals(np.empty(0), {}, np.empty((0, 0), np.uint8), ())
 
 
-def said(health, seconds=None, names=NAMES):
+def sentences(health, seconds=None, names=NAMES):
     """Return the findings about navigation signals, one column of health for each."""
     seconds = PERIOD * np.arange(len(health)) if seconds is None else seconds
     signals = Signals(seconds, {}, np.asarray(health, np.uint8), names)
@@ -46,14 +46,14 @@ def unavailable(count, *parts):
 ])
 def test_startup_and_what_came_later(parts, level, text):
     """The startup is named for itself, and the longest stretch after it with its time."""
-    assert said(unavailable(20_000, *parts), names=('roll',)) == [(level, f'Roll: {text}.')]
+    assert sentences(unavailable(20_000, *parts), names=('roll',)) == [(level, f'Roll: {text}.')]
 
 
 def test_signals_that_were_unsafe_together():
     """They share a sentence; each state of a signal has its own."""
     health = np.repeat(unavailable(3000, (1000, 1500)), 2, axis=1)
     health[2000:2010, 1] = Integrity.INTEGRITY_RISK
-    assert [text for _, text in said(health)] == [
+    assert [text for _, text in sentences(health)] == [
         'Pressure height and roll: unavailable for 5.00 s from 0:10.0.',
         'Roll: integrity risk for 0.10 s from 0:20.0.']
 
@@ -85,7 +85,7 @@ def test_no_stretch_is_hidden(lengths, first, pauses):
         steps[index] += pause
     seconds = np.cumsum(steps) - steps[0]
     health = np.where(held, Integrity.UNAVAILABLE, Integrity.SAFE)[:, None]
-    text = ''.join(text for _, text in said(health, seconds, ('roll',)))
+    text = ''.join(text for _, text in sentences(health, seconds, ('roll',)))
     found = find_intervals(seconds, held)
     assert sum(each.seconds for each in found) == pytest.approx(
         held.sum() * float(np.median(np.diff(seconds))) if len(held) > 1 else 0.0, abs=0.1)

@@ -81,7 +81,7 @@ def test_what_is_read_off_the_noise(at_rest):
 
 
 def test_a_flight_has_no_noise_at_rest():
-    """It is said why."""
+    """The page has the reason."""
     made = Outline(''.join(page(recorded(make_emulation(make_device(SteadyTurn())), 5.0,
                                          timed=False))))
     assert made.headings[-1] == 'Noise at rest'

@@ -28,7 +28,7 @@ def test_at_rest_all_the_time():
 
 
 def test_a_turn_and_a_push():
-    """Both end a rest; the longest of the three is told."""
+    """Both end a rest; the longest of the three is returned."""
     force, rate = still()
     rate[6_000:6_200, 2] += 0.3
     force[8_000:8_400, 0] += 2.0

@@ -30,7 +30,7 @@ def test_half_the_sample_rate_is_left_out(frequency):
 
 
 def test_a_weaker_line_beside_one_at_half_the_rate():
-    """It is the strongest that says anything."""
+    """Only the strongest is reported."""
     found = lines(vibrating(100.0, 0.5) + vibrating(22.9, 0.03, seed=2), PERIOD)
     assert found.strongest == pytest.approx(22.9, abs=0.1) and found.at_half_rate
 

@@ -45,10 +45,10 @@ def test_samples_that_all_came(label):
 
 @pytest.mark.parametrize('missing', [1, 100, 255, 256, 700, 2560])
 def test_samples_lost(missing):
-    """Also by whole turns of the counter, which only time messages tell of."""
+    """Also whole turns of the counter, which only time messages show."""
     device = np.delete(regular(30.0), slice(1003, 1003 + missing))
     found = made(device)
-    # Where whole turns are lost, nothing tells between which two time messages.
+    # The position of whole lost turns between two time messages is unknown.
     unsure = 20 if missing % 256 == 0 else 0
     assert np.count_nonzero(abs(found.seconds - device) > 1e-6) <= unsure
     (gap,) = found.breaks
@@ -69,7 +69,7 @@ def test_a_pause():
 
 
 def test_a_restart():
-    """Device time begins anew, and so does the counter; no sample is called lost."""
+    """Device time and the counter restart; no sample counts as lost."""
     first, second = regular(5.0), regular(3.0)
     counts = np.concatenate([np.arange(len(first)), np.arange(len(second))])
     found = made(np.concatenate([first, second]), counts)
@@ -98,6 +98,6 @@ def test_without_time_messages():
 
 
 def test_nothing():
-    """There is nothing to tell."""
+    """There are no breaks."""
     found = make_time_axis(np.empty(0, int), np.empty(0, np.uint8), np.empty(0, TIMES))
     assert len(found.seconds) == 0 and found.breaks == []

@@ -18,7 +18,7 @@ class GpsStatus(NamedTuple):
         return self.received and not self.zone
 
     def __str__(self) -> str:
-        """Return the status in words."""
+        """Return the status as text."""
         if not self.received:
             return 'not received'
         if not self.zone:

@@ -26,7 +26,7 @@ class GpsTime:
         self._start_us = (GPS_EPOCH_S - leap_seconds) * US_PER_S
         self._last_us = 0
         self._notices = Notices()
-        self.problem = ''               # what is wrong with the week, in a sentence
+        self.problem = ''               # a sentence about a wrong or unknown week
 
     def utc_us(self, time_of_week_s: float, host_ns: int) -> int | None:
         """Return UTC in microseconds since 1970, near the host's time; None if unknown."""

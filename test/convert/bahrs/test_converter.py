@@ -195,7 +195,7 @@ def test_risk_without_accuracy_is_not_hidden_behind_unknown():
 
 
 def states(notice):
-    """Return what a notice says, by signal."""
+    """Return the integrity in a notice, by signal."""
     return {status.name: (status.level, status.message) for status in notice.status}
 
 
@@ -252,7 +252,7 @@ def test_without_roll_or_pitch_there_is_no_orientation(signal):
 
 
 def test_without_heading_roll_and_pitch_are_still_usable():
-    """The yaw is that of heading north, and its variance says that it is not known."""
+    """The yaw is that of heading north, and its variance marks it as unknown."""
     imu = published(ACCURACY, INERTIAL, with_health(NAVIGATION, magnetic_heading=GONE))['imu/data']
     q = imu.orientation
     roll = math.atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x ** 2 + q.y ** 2))
@@ -260,7 +260,7 @@ def test_without_heading_roll_and_pitch_are_still_usable():
     assert math.degrees(roll) == pytest.approx(10)
     assert math.degrees(pitch) == pytest.approx(-20)
     assert yaw_degrees(q) == pytest.approx(90)
-    # Which way north is nobody knows: the larger of the two tilts counts for both.
+    # The direction of north is unknown: the larger of the two tilts counts for both.
     assert imu.orientation_covariance[[0, 4, 8]] == pytest.approx([4e-4, 4e-4, 1e6])
 
 
@@ -271,7 +271,7 @@ def test_orientation_without_accuracy_has_an_unknown_covariance():
 
 
 def test_accuracy_does_not_outlive_its_messages():
-    """A second after the last it says nothing any more."""
+    """A second after the last it is out of date."""
     converter = BahrsConverter(OPTIONS)
     list(converter.convert(ACCURACY, STAMP))
     for _ in range(100):

@@ -19,7 +19,7 @@ def stamp(notice):
 
 
 def states(notice):
-    """Return what a notice says of each signal."""
+    """Return the integrity of each signal in a notice."""
     return [status.message for status in notice.status]
 
 
@@ -45,7 +45,7 @@ def test_a_stream_that_ends_is_unknown_from_its_last_sample_on():
 
 
 def test_the_first_notice_may_be_that_nothing_is_known():
-    """A late joiner learns that the device has not been heard; it is said once."""
+    """A late subscriber learns that no signal was received; it is published once."""
     notices = IntegrityNotice(['roll'])
     assert stamp(notices.forget(START, 'imu')) == START
     assert notices.forget(START + 5, 'imu') is None

@@ -98,7 +98,7 @@ AXES = {'enu': (np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1]]), np.diag([1, -1, -1
 @pytest.mark.parametrize('name', AXES)
 @pytest.mark.parametrize('declination', [0.0, 0.35, -1.2])
 def test_errors_of_the_device_have_the_published_covariance(name, declination):
-    """True attitudes are sampled about what the device says, in its axes: the rest follows."""
+    """True attitudes are sampled about the reported one, in the axes of the device."""
     world, body = AXES[name]
     roll, pitch, heading = 0.3, -0.5, 2.0
     deviations = np.array([0.01, 0.02, 0.03])

@@ -23,7 +23,7 @@ def converter(convention='enu', **options):
         replace(TITAN_OPTIONS, convention=CONVENTIONS[convention], **options))
 
 
-def told(parts, message, stamp=STAMP):
+def converted(parts, message, stamp=STAMP):
     """Return the ROS messages of an answer with the rounding of the wire, by topic."""
     layout = LAYOUTS[type(message), 'little']
     out = list(parts.convert(layout.decode(layout.encode(message)), stamp))
@@ -38,7 +38,7 @@ def xyz(vector):
 
 def test_sensors_in_ros_axes():
     """Forward, left, up; the calibrated ones are kept for imu/data."""
-    out = told(converter(), SENSORS)
+    out = converted(converter(), SENSORS)
     assert set(out) == {'imu/data_raw', 'imu/mag', 'static_pressure', 'differential_pressure',
                         'temperature'}
     raw = out['imu/data_raw']
@@ -61,7 +61,7 @@ def test_sensors_in_ros_axes():
 
 def test_state_in_ros_axes():
     """East, north, up; nose to the east is yaw 0; what moves with the body in its axes."""
-    out = told(converter(), STATE)
+    out = converted(converter(), STATE)
     assert set(out) == {'imu/data', 'velocity', 'odometry', 'heading'}
     assert out['heading'].data == pytest.approx(90.0)
     assert out['velocity'].header.frame_id == 'map'
@@ -87,8 +87,8 @@ def test_state_in_ros_axes():
 def test_ned_is_as_the_device_has_it():
     """North, east, down; forward, right, down."""
     parts = converter('ned')
-    assert xyz(told(parts, SENSORS)['imu/mag'].magnetic_field)[2] > 0
-    out = told(parts, STATE)
+    assert xyz(converted(parts, SENSORS)['imu/mag'].magnetic_field)[2] > 0
+    out = converted(parts, STATE)
     assert xyz(out['imu/data'].linear_acceleration) == (0.5, 0.25, -9.75)
     assert xyz(out['odometry'].pose.pose.position) == (100.0, 200.0, -50.0)
     assert xyz(out['odometry'].twist.twist.linear) == pytest.approx((4.0, -3.0, -1.0), abs=1e-6)
@@ -96,10 +96,10 @@ def test_ned_is_as_the_device_has_it():
 
 @pytest.mark.parametrize('later, joined', [(6 * MS, True), (TOGETHER_NS + MS, False)])
 def test_force_and_rate_are_those_of_the_sensor_answer_just_before(later, joined):
-    """Of one that is older nothing is said."""
+    """An older one is not used."""
     parts = converter()
-    told(parts, SENSORS)
-    imu = told(parts, STATE, STAMP + later)['imu/data']
+    converted(parts, SENSORS)
+    imu = converted(parts, STATE, STAMP + later)['imu/data']
     assert imu.header.stamp.nanosec == 123_456_789 + later
     if joined:
         assert xyz(imu.linear_acceleration) == (0.5, -0.25, 9.75)
@@ -111,7 +111,7 @@ def test_force_and_rate_are_those_of_the_sensor_answer_just_before(later, joined
 
 def test_fix():
     """On the central meridian of zone 32, with assumed deviations."""
-    out = told(converter(), GPS)
+    out = converted(converter(), GPS)
     fix = out['fix']
     assert fix.longitude == pytest.approx(9.0) and fix.latitude == pytest.approx(45.15, abs=0.05)
     assert fix.altitude == 600.0 and fix.status.status == NavSatStatus.STATUS_FIX
@@ -120,60 +120,60 @@ def test_fix():
     assert out['time_reference'].source == 'gps'
     assert out['time_reference'].time_ref.nanosec == 500_000_000
     assert 'velocity' not in out                # that of the state is better
-    assert told(converter(geoid_height=47.5), GPS)['fix'].altitude == 647.5
+    assert converted(converter(geoid_height=47.5), GPS)['fix'].altitude == 647.5
 
 
 @pytest.mark.parametrize('zone', [0, 61, 255])
 def test_an_invalid_zone_is_no_fix(zone):
     """With no position that anybody could take for one."""
     parts = converter(asked={Gps, Sensors})
-    out = told(parts, replace(GPS, zone=zone))
+    out = converted(parts, replace(GPS, zone=zone))
     assert set(out) == {'fix', 'time_reference'}
     assert out['fix'].status.status == NavSatStatus.STATUS_NO_FIX
     assert math.isnan(out['fix'].latitude) and math.isnan(out['fix'].altitude)
     assert out['fix'].position_covariance_type == NavSatFix.COVARIANCE_TYPE_UNKNOWN
     assert parts.gps_status.lacks_fix and str(parts.gps_status) == 'no fix'
-    told(parts, replace(GPS, northern=False))
+    converted(parts, replace(GPS, northern=False))
     assert str(parts.gps_status) == 'fix in zone 32 south'
 
 
 def test_velocity_of_the_gps_where_the_state_is_not_asked_for():
     """Centimetres a second are enough then."""
-    out = told(converter(asked={Gps, Sensors}), GPS)
+    out = converted(converter(asked={Gps, Sensors}), GPS)
     assert xyz(out['velocity'].twist.twist.linear) == (2.0, 1.0, -3.0)
 
 
 def test_odometry_begins_with_the_first_fix():
-    """Before, the position is relative to nothing; without GPS nobody can tell."""
+    """Before, the position is relative to nothing; without GPS it is unknown."""
     parts = converter(asked={State, Gps})
-    assert 'odometry' not in told(parts, STATE)
-    told(parts, replace(GPS, zone=0))
-    assert 'odometry' not in told(parts, STATE)
-    told(parts, GPS)
-    assert 'odometry' in told(parts, STATE)
+    assert 'odometry' not in converted(parts, STATE)
+    converted(parts, replace(GPS, zone=0))
+    assert 'odometry' not in converted(parts, STATE)
+    converted(parts, GPS)
+    assert 'odometry' in converted(parts, STATE)
     parts.lost(STAMP)
-    assert 'odometry' not in told(parts, STATE)
+    assert 'odometry' not in converted(parts, STATE)
 
 
 def test_where_others_ask_what_comes_tells_what_to_make_of_it():
     """A flight whose GPS, or whose state, was not asked for is converted as it was published."""
     late = STAMP + ABSENT_NS
     parts = converter(asked=None)
-    assert 'velocity' not in told(parts, GPS)               # a state may yet come
-    assert 'velocity' in told(parts, GPS, late)
-    assert 'odometry' in told(parts, STATE, late)
-    assert 'velocity' not in told(parts, GPS, late + MS)    # it has come
+    assert 'velocity' not in converted(parts, GPS)               # a state may yet come
+    assert 'velocity' in converted(parts, GPS, late)
+    assert 'odometry' in converted(parts, STATE, late)
+    assert 'velocity' not in converted(parts, GPS, late + MS)    # it has come
     parts.lost(late)
-    assert 'odometry' not in told(parts, STATE)             # nor is there a fix yet
-    assert 'odometry' in told(parts, STATE, late)
-    told(parts, replace(GPS, zone=0), late)
-    assert 'odometry' not in told(parts, STATE, late + MS)
+    assert 'odometry' not in converted(parts, STATE)             # nor is there a fix yet
+    assert 'odometry' in converted(parts, STATE, late)
+    converted(parts, replace(GPS, zone=0), late)
+    assert 'odometry' not in converted(parts, STATE, late + MS)
 
 
 def test_what_is_unknown_in_odometry_is_not_taken_for_certain():
-    """A deviation of 0, and a rate that is no number, have a variance that nobody trusts."""
+    """A deviation of 0, and a rate that is no number, have a very large variance."""
     unknown = converter(deviations=replace(DEVIATIONS, attitude=0.0, heading=0.0))
-    odometry = told(unknown, replace(STATE, angular_rate=(0.1, NAN, 0.3)))['odometry']
+    odometry = converted(unknown, replace(STATE, angular_rate=(0.1, NAN, 0.3)))['odometry']
     assert [odometry.pose.covariance[i] for i in (0, 14, 21, 28, 35)] == [4.0, 16.0, *[1e6] * 3]
     assert [odometry.twist.covariance[i] for i in (21, 28, 35)] == [1e6] * 3
     assert odometry.twist.covariance[0] == pytest.approx(0.04)
@@ -181,7 +181,7 @@ def test_what_is_unknown_in_odometry_is_not_taken_for_certain():
 
 def test_gps_time_that_is_unknown_is_not_told():
     """Zero without a fix."""
-    assert set(told(converter(), replace(GPS, gps_time_s=0.0, zone=0))) == {'fix'}
+    assert set(converted(converter(), replace(GPS, gps_time_s=0.0, zone=0))) == {'fix'}
 
 
 @pytest.mark.parametrize('stamp, options, week', [
@@ -189,7 +189,7 @@ def test_gps_time_that_is_unknown_is_not_told():
 def test_utc_in_a_known_week(stamp, options, week):
     """By the clock of the host, or by the parameter if that was never set."""
     parts = converter(**options)
-    reference = told(parts, GPS, stamp)['time_reference']
+    reference = converted(parts, GPS, stamp)['time_reference']
     assert reference.time_ref.sec == 315_964_800 + week * 604_800 + 1000 - 18
     assert bool(parts.week_problem) == (options.get('gps_week') == 2287)
 
@@ -197,7 +197,7 @@ def test_utc_in_a_known_week(stamp, options, week):
 def test_a_time_of_week_alone_is_not_published():
     """It would be a time in January 1970."""
     parts = converter()
-    assert set(told(parts, GPS, 5 * 10 ** 9)) == {'fix'}
+    assert set(converted(parts, GPS, 5 * 10 ** 9)) == {'fix'}
     assert parts.week_problem and len(parts.take_notices()) == 1
 
 
@@ -205,7 +205,7 @@ def test_the_week_stays_when_the_gps_time_is_lost():
     """The time is 0 without a fix; that is not the end of a week."""
     parts = converter(gps_week=2300)
     before, unknown, after = (
-        told(parts, replace(GPS, gps_time_s=time)) for time in (500_000.0, 0.0, 500_010.0))
+        converted(parts, replace(GPS, gps_time_s=time)) for time in (500_000.0, 0.0, 500_010.0))
     assert 'time_reference' not in unknown
     assert after['time_reference'].time_ref.sec == before['time_reference'].time_ref.sec + 10
 
@@ -213,21 +213,21 @@ def test_the_week_stays_when_the_gps_time_is_lost():
 def test_what_is_no_number_is_not_reported():
     """Neither an attitude, nor a velocity, nor a force."""
     parts = converter()
-    told(parts, replace(SENSORS, acceleration=(NAN, 0.0, 0.0)))
-    out = told(parts, replace(STATE, attitude=(NAN, 0.0, 0.0), velocity_ned=(0.0, NAN, 0.0)))
+    converted(parts, replace(SENSORS, acceleration=(NAN, 0.0, 0.0)))
+    out = converted(parts, replace(STATE, attitude=(NAN, 0.0, 0.0), velocity_ned=(0.0, NAN, 0.0)))
     assert set(out) == {'imu/data', 'heading'}
     assert math.isnan(out['heading'].data)
     assert out['imu/data'].orientation_covariance[0] == -1
     assert out['imu/data'].linear_acceleration_covariance[0] == -1
     assert out['imu/data'].angular_velocity_covariance[0] == pytest.approx(1e-4)
-    assert set(told(parts, replace(SENSORS, magnetic_field_tesla=(0.0,) * 3,
-                                   absolute_pressure=0.0))) == {
+    assert set(converted(parts, replace(SENSORS, magnetic_field_tesla=(0.0,) * 3,
+                                        absolute_pressure=0.0))) == {
         'imu/data_raw', 'differential_pressure', 'temperature'}
 
 
 def test_declination_turns_yaw_and_not_the_heading():
     """Ten degrees east."""
-    out = told(converter(declination=math.radians(10.0)), STATE)
+    out = converted(converter(declination=math.radians(10.0)), STATE)
     assert out['heading'].data == pytest.approx(90.0)
     yaw = 2 * math.atan2(out['imu/data'].orientation.z, out['imu/data'].orientation.w)
     assert math.degrees(yaw) == pytest.approx(-10.0, abs=1e-5)
@@ -239,4 +239,4 @@ def test_undecoded_and_unexpected_answers_are_neither_published_nor_kept(wanted)
     parts = converter()
     payload = LAYOUTS[Sensors, 'little'].encode(SENSORS)
     assert list(parts.convert(Answer(Sensors, 0, payload, wanted=wanted), STAMP)) == []
-    assert told(parts, STATE)['imu/data'].linear_acceleration_covariance[0] == -1
+    assert converted(parts, STATE)['imu/data'].linear_acceleration_covariance[0] == -1

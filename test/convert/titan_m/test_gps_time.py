@@ -30,7 +30,7 @@ TIMES = st.integers(0, WEEK * 1000 - 1).map(lambda milliseconds: milliseconds / 
 @given(week=st.integers(2087, 3000), time=TIMES, given_week=st.integers(0, 3000),
        wrong_s=st.integers(-WEEK // 2 + 1, WEEK // 2 - 1))
 def test_the_week_is_the_nearest_to_the_clock_of_the_host(week, time, given_week, wrong_s):
-    """Up to half a week wrong it still tells the week, whatever gps.week says."""
+    """Wrong by up to half a week, it still determines the week, for any gps.week."""
     gps, host_ns = GpsTime(given_week, LEAP), nanoseconds(week, time + wrong_s)
     if host_ns >= EARLIEST_HOST_NS:
         assert gps.utc_us(time, host_ns) == round(nanoseconds(week, time) / 10 ** 6) * 1000
