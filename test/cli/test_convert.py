@@ -117,14 +117,14 @@ def test_what_the_node_published_is_made_again(tmp_path):
 
 
 def test_twice_is_the_same(byte_file, tmp_path):
-    """To the byte; JSON tells what came of it."""
+    """To the byte; the JSON object has the counts."""
     for parent in ('one', 'two'):
         status, text = convert(byte_file, tmp_path / parent / 'bag', '--json')
         assert status == 0
-    told = json.loads(text.splitlines()[-1])
-    assert told['frames'] > 1300 and told['skipped_bytes'] == 0
+    result = json.loads(text.splitlines()[-1])
+    assert result['frames'] > 1300 and result['skipped_bytes'] == 0
     _, found = read(tmp_path / 'one' / 'bag')
-    assert told['messages'] == sum(map(len, found.values()))
+    assert result['messages'] == sum(map(len, found.values()))
     for name in ('bag_0.mcap', 'metadata.yaml'):
         assert (tmp_path / 'one' / 'bag' / name).read_bytes() == (
             tmp_path / 'two' / 'bag' / name).read_bytes()
@@ -151,7 +151,7 @@ def test_csv(byte_file, tmp_path):
 
 @pytest.mark.parametrize('plugin', StoragePlugin)
 def test_a_clock_that_was_set_back_while_recording(tmp_path, plugin):
-    """Order and spacing are kept, and the step is told, to people and to scripts."""
+    """Order and spacing are kept, and the step is reported, to people and to scripts."""
     items, begin = [], 1_700_000_000 * S
     for index, emission in enumerate(emissions(make_device(), 5.0)):
         at = round(emission.time * S)
@@ -161,9 +161,9 @@ def test_a_clock_that_was_set_back_while_recording(tmp_path, plugin):
     bag = write_bag(tmp_path / 'bag', plugin, items=items)
     status, text = convert(bag, tmp_path / 'out', '--json')
     assert status == 0
-    told = json.loads(text.splitlines()[-1])
+    result = json.loads(text.splitlines()[-1])
     sentence = "the host's clock was set by -3600.00"
-    assert f'bahrs convert: {sentence}' in text and sentence in told['clock_steps'][0]
+    assert f'bahrs convert: {sentence}' in text and sentence in result['clock_steps'][0]
     with (tmp_path / 'out' / 'out_0.mcap').open('rb') as file:
         found = [(channel.topic, message.log_time) for _, channel, message in make_reader(
             file).iter_messages(log_time_order=False)]
@@ -217,13 +217,13 @@ def test_options_without_effect_are_listed(byte_file, tmp_path):
 
 
 def test_no_port_is_created(byte_file, tmp_path):
-    """A port that does not exist has no effect, and a sentence says so."""
+    """A port that does not exist has no effect, and a sentence reports that."""
     status, text = convert(byte_file, tmp_path / 'out', '-p', 'port:=socket://x')
     assert status == 0 and 'settings without effect: port (it is for a port)' in text
 
 
 def test_rates_of_requests_are_refused_for_what_was_recorded(tmp_path):
-    """With one, every answer would be one that nobody waits for."""
+    """With a rate, no answer would match a request."""
     with BagWriter(tmp_path / 'bag') as bag:
         bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
         label = ReadMetadata('titan_m', 1, 0, 1, 1).to_label()
@@ -233,7 +233,7 @@ def test_rates_of_requests_are_refused_for_what_was_recorded(tmp_path):
 
 
 def test_a_topic_that_is_not_there(tmp_path):
-    """The sentence says which there is."""
+    """The sentence names the existing one."""
     with BagWriter(tmp_path / 'bag') as bag:
         bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
         bag.write('/raw', 1, serialized(raw.message(b'bytes', '')))

@@ -30,7 +30,7 @@ def test_a_device_that_speaks():
 
 
 def test_no_device(tmp_path):
-    """The exit status tells, and the command that mends it stands below what is wrong."""
+    """The exit status is 1, and the command that corrects a problem stands below it."""
     status, text = doctor('--root', str(tmp_path))
     assert status == 1
     wrong, remedy, *_ = text.splitlines()
@@ -48,7 +48,7 @@ def test_a_port_named_from_here(tmp_path, monkeypatch):
 
 
 def test_a_domain_that_is_none(monkeypatch):
-    """It is told with the rest, and ROS is not started in it."""
+    """It is reported with the rest, and ROS is not started in it."""
     monkeypatch.setenv('ROS_DOMAIN_ID', 'abc')
     status, text = doctor('--no-listen')
     assert status == 1
@@ -56,7 +56,7 @@ def test_a_domain_that_is_none(monkeypatch):
 
 
 def test_a_titan_m_that_is_found(tmp_path):
-    """Every command that starts a driver says which sensor it is."""
+    """Every command that starts a driver names the sensor."""
     port = str(tmp_path / 'port')
     with running('bahrs', 'emulate', '--sensor', 'titan_m', '--link', port) as emulator:
         assert wait_for(lambda: emulator.lines, 60)

@@ -29,7 +29,7 @@ def examples(text):
 
 @pytest.mark.parametrize('verb', VERBS)
 def test_help_has_examples_that_work(verb, capsys):
-    """Each is taken by the command line, exit statuses are told, no line is too long."""
+    """Each is taken by the command line, exit statuses are listed, no line is too long."""
     text = helped(capsys, verb)
     found = [line for line in examples(text) if line.startswith(f'bahrs {verb} ')
              or line == f'bahrs {verb}']
@@ -56,7 +56,7 @@ def test_help_of_all(capsys):
 @pytest.mark.parametrize('words', [[], ['nothing'], ['decode'], ['decode', '--nothing', 'file'],
                                    ['monitor', '--duration', 'long']])
 def test_a_mistake_in_the_command_line(words, capsys):
-    """The exit status is 2, and one line says what is wrong."""
+    """The exit status is 2, and one line has the reason."""
     with pytest.raises(SystemExit) as ended:
         main(words)
     assert ended.value.code == 2

@@ -22,16 +22,16 @@ def watched(*words):
 
 
 def watched_until(words, *options):
-    """Return what a monitor prints as soon as it has heard enough to say all of some words."""
-    said = ['']
+    """Return the output of a monitor as soon as it contains all of some words."""
+    output = ['']
 
-    def heard():
-        status, said[0], complaints = watched(*options)
+    def complete():
+        status, output[0], complaints = watched(*options)
         assert complaints == ''
-        return status == 0 and all(word in said[0] for word in words)
+        return status == 0 and all(word in output[0] for word in words)
 
-    assert wait_for(heard, 120), said[0]
-    return said[0]
+    assert wait_for(complete, 120), output[0]
+    return output[0]
 
 
 def test_every_topic_and_task_is_shown():
@@ -62,7 +62,7 @@ def test_publishers_that_are_best_effort():
 
 
 def test_without_a_driver():
-    """It says so, and the exit status is not 0."""
+    """It reports that, and the exit status is not 0."""
     with running('bahrs', 'monitor', '--duration', '1', '--namespace', 'nobody') as monitor:
         assert monitor.wait(60) == 1
         assert 'is driver_node running' in monitor.text
@@ -97,7 +97,7 @@ def test_the_only_driver_is_found(words, options, name):
 
 @pytest.mark.slow
 def test_several_drivers():
-    """Each is shown by its name; without one, the monitor says which there are."""
+    """Each is shown by its name; without one, the monitor lists them."""
     with PtyPort() as left, PtyPort() as right, Device(left), \
             named_driver(left, '-r', '__ns:=/left'), named_driver(right, '-r', '__ns:=/right'):
         def message(side):

@@ -9,7 +9,7 @@ from bahrs_driver.cli.progress import progress_bar
 
 
 class Terminal(io.StringIO):
-    """A standard error that says it is a terminal."""
+    """A standard error that claims to be a terminal."""
 
     def isatty(self):
         """Say so."""

@@ -83,15 +83,15 @@ def unbroken(folder):
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_it(flying, tmp_path, number):
-    """Everything the node publishes is in the bag, which says so itself."""
+    """Everything the node publishes is in the bag and in its metadata."""
     bag = tmp_path / 'bag'
     with running('bahrs', 'record', '-o', str(bag), '--json') as recorder:
         assert wait_for(lambda: whole(bag, 60_000), LONG)
         assert recorder.end(number) == 0
-    told = json.loads(recorder.lines[-1])
+    result = json.loads(recorder.lines[-1])
     found = counted(bag)
-    assert told['topics'] == {topic: found[topic] for topic in told['topics']}
-    assert told['messages'] == sum(found.values())
+    assert result['topics'] == {topic: found[topic] for topic in result['topics']}
+    assert result['messages'] == sum(found.values())
     assert EVERYTHING <= set(found)
     assert unbroken(bag) > 5000
 
@@ -120,7 +120,7 @@ def test_raw_only(flying, tmp_path):
 
 
 def test_no_room(flying, tmp_path):
-    """It says so and ends, and the bag has all that there was room for."""
+    """It reports that and ends, and the bag has all earlier messages."""
     bag = tmp_path / 'bag'
     with running('bahrs', 'record', '-o', str(bag)) as recorder:
         assert wait_for(lambda: size(bag) > 0, LONG)
@@ -137,7 +137,7 @@ def test_no_room(flying, tmp_path):
      'there is no node named x in namespace /uav'),
 ])
 def test_nothing_to_record(tmp_path, words, sentence):
-    """A sentence says what is missing."""
+    """A sentence names what is missing."""
     with running('bahrs', 'record', '-o', str(tmp_path / 'bag'), *words) as recorder:
         assert wait_for(lambda: sentence in recorder.text, LONG)
         assert recorder.end() == 1
@@ -146,7 +146,7 @@ def test_nothing_to_record(tmp_path, words, sentence):
 
 @pytest.mark.slow
 def test_several_drivers(tmp_path):
-    """One is recorded by its name; without one, the recorder says which there are."""
+    """One is recorded by its name; without one, the recorder lists them."""
     with contextlib.ExitStack() as stack:
         for side in ('left', 'right'):
             port = stack.enter_context(PtyPort())
@@ -174,7 +174,7 @@ def test_several_drivers(tmp_path):
 
 
 def test_a_driver_without_raw(tmp_path):
-    """A sentence says how to have it, while there is still time."""
+    """A sentence has the remedy, early enough to use it."""
     with PtyPort() as port, driver(port.path), running(
             'bahrs', 'record', '-o', str(tmp_path / 'bag'), '--raw-only') as recorder:
         assert wait_for(lambda: 'publish.raw:=true' in recorder.text, LONG)
@@ -193,7 +193,7 @@ def test_bad_options(tmp_path):
 
 
 def test_a_driver_that_is_started_later(tmp_path):
-    """What was published before it was discovered is counted, and the way to avoid it told."""
+    """Messages before discovery are counted, and the remedy is printed."""
     bag = tmp_path / 'bag'
     with PtyPort() as port, Device(port), running(
             'bahrs', 'record', '-o', str(bag)) as recorder:
@@ -215,19 +215,19 @@ def test_a_driver_that_waits_for_the_recorder(tmp_path):
         with driver(port.path, startup__wait_for_subscribers=60, publish__raw=True, **DEEP):
             assert wait_for(lambda: size(bag) > 60_000, LONG)
             assert recorder.end() == 0
-    told = json.loads(recorder.lines[-1])
-    assert told['lost'] == 0
-    assert set(told['missed_before_discovery']) <= {'/diagnostics', '/rosout'}
+    result = json.loads(recorder.lines[-1])
+    assert result['lost'] == 0
+    assert set(result['missed_before_discovery']) <= {'/diagnostics', '/rosout'}
     framer, codec = Framer(BahrsFormat()), BahrsCodec()
     first = codec.decode(next(frame for chunk in read_capture(bag).chunks()
                               for frame in framer.feed(chunk.data)))
-    # The force along x tells the number of the message.
+    # The force along x is the number of the message.
     assert first.specific_force[0] == pytest.approx(0.0, abs=FORCE / 2)
 
 
 @pytest.mark.parametrize('raw_only', [True, False])
 def test_a_clock_that_is_set_back(tmp_path, raw_only):
-    """Log times go on evenly, the step is told, and a signal ends it."""
+    """Log times continue evenly, the step is reported, and a signal ends the recording."""
     bag, clock = tmp_path / 'bag', SettableClock(tmp_path)
     words = ['--raw-only'] * raw_only
     with PtyPort() as port, Device(port), clock.used(), \
@@ -238,8 +238,8 @@ def test_a_clock_that_is_set_back(tmp_path, raw_only):
         clock.set_back(3600.0)
         assert wait_for(lambda: size(bag) > before + 60_000, LONG)
         assert recorder.end() == 0
-    told = json.loads(next(line for line in recorder.lines if line.startswith('{')))
-    step, = told['clock_steps']
+    result = json.loads(next(line for line in recorder.lines if line.startswith('{')))
+    step, = result['clock_steps']
     assert "the host's clock was set by -3600.0000" in step or 'by -3599.9999' in step
     with (bag / 'bag_0.mcap').open('rb') as file:
         times = [message.log_time for _, channel, message in make_reader(file).iter_messages(

@@ -55,7 +55,7 @@ def words(name, folder):
 
 
 def has_no_traceback(started):
-    """Assert that whatever did not start says so in a sentence."""
+    """Assert that a program that did not start printed one sentence."""
     for name, text in started.text.items():
         assert 'Traceback' not in text and 'terminate called' not in text, text
         assert started.status[name] in (0, 1), (name, started.status[name], text)
@@ -66,7 +66,7 @@ def has_no_traceback(started):
     {'ROS_LOG_DIR': '/proc/nowhere'}, {'ROS_LOG_DIR': __file__}, {'ROS_HOME': '/dev/null'},
     {'HOME': ''}])
 def test_without_log_files(tmp_path, monkeypatch, variables):
-    """Everything works, the driver warns, and the doctor says which variable helps."""
+    """Everything works, the driver warns, and the doctor names the variable that helps."""
     for name in ('ROS_LOG_DIR', 'ROS_HOME'):
         monkeypatch.delenv(name, raising=False)
     for name, value in variables.items():
@@ -99,7 +99,7 @@ def test_what_ros_cannot_start_with(tmp_path, monkeypatch, name, value):
 @settings(max_examples=5, suppress_health_check=list(HealthCheck))
 @given(variables=st.dictionaries(st.sampled_from(VARIABLES), ODD, min_size=1, max_size=3))
 def test_any_environment(tmp_path, variables):
-    """Every node starts in it, or says in a sentence why not."""
+    """Every node starts in it, or prints the reason in a sentence."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path)       # for log files at odd places
         for name, value in variables.items():

@@ -236,7 +236,7 @@ TEXT = strategies.text(strategies.characters(codec=None, exclude_characters='/')
 PIECES = strategies.sampled_from([
     '..', '.', '~', '-', 'FIFO', 'socket', 'out', 'kept', '\x1b[2J', '\udcff', '\ud800', '\n',
     ' ', 'x' * 255, 'ü', '%s', '[red]', '{}'])
-# Where nothing can be made, whoever tries.
+# Where no user can create a file.
 NOWHERE = strategies.sampled_from(
     ['/dev/full', '/dev/full/bahrs', '/proc/bahrs', '/proc/self/mem'])
 # Relative, and never higher than `playground` is deep: nothing is made elsewhere on the machine.
