@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of `bahrs emulate`: its files in this process, its port in one of its own."""
+"""Tests of `bahrs emulate`: files in this process, ports in a child process."""
 
 import contextlib
 import json
@@ -43,7 +43,7 @@ def emulator(*words, start=()):
 
 
 def finish(child, line='quit\n'):
-    """Tell it to end; return its exit status and what it said on standard error."""
+    """End the emulator; return its exit status and its standard error."""
     _, error = child.communicate(line, timeout=PATIENCE)
     return child.returncode, error
 
@@ -58,7 +58,7 @@ class Reader:
         self.data, self.messages = b'', []
 
     def read(self):
-        """Take what there is; return all messages so far."""
+        """Read the available bytes; return all messages so far."""
         with contextlib.suppress(BlockingIOError):
             data = os.read(self._port, 65536)
             self.data += data
@@ -66,7 +66,7 @@ class Reader:
         return self.messages
 
     def wait_for(self, condition):
-        """Read until a message fulfils a condition, and return the first that does."""
+        """Read until a message meets a condition, and return it."""
         assert wait_for(lambda: any(map(condition, self.read())))
         return next(filter(condition, self.messages))
 
@@ -75,7 +75,7 @@ class Reader:
         os.write(self._port, self.codec.encode(request, 3))
 
     def hung_up(self):
-        """Whether the port has been taken away."""
+        """Return whether the port was removed."""
         poll = select.poll()
         poll.register(self._port)
         return any(event & select.POLLHUP for _, event in poll.poll(0))
@@ -109,15 +109,15 @@ EVERYTHING = (
 
 
 def test_same_seed_same_bytes(tmp_path):
-    """And the same truth; another seed gives other bytes."""
+    """The same seed gives the same truth, too; another seed gives other bytes."""
     runs = [to_file(tmp_path / f'{index}.bin', '--truth', str(tmp_path / f'{index}.jsonl'),
                     '--seed', seed, *EVERYTHING) for index, seed in enumerate('778')]
     assert runs[0] == runs[1] != runs[2]
     assert (tmp_path / '0.jsonl').read_bytes() == (tmp_path / '1.jsonl').read_bytes()
 
 
-def test_the_truth_tells_which_frames_arrive(tmp_path, capsys):
-    """What it calls intact is what is found in the bytes, and the report counts the same."""
+def test_truth_marks_intact_frames(tmp_path, capsys):
+    """Exactly the frames marked intact are in the bytes, and the report counts the same."""
     data = to_file(tmp_path / 'a.bin', '--truth', str(tmp_path / 'a.jsonl'), '--duration', '20',
                    '--fault', 'drop_frame=0.01', '--fault', 'bit_flip=0.0003',
                    '--fault', 'insert_byte=0.0003', '--fault', 'repeat_byte=0.0003')
@@ -136,7 +136,7 @@ def test_the_truth_tells_which_frames_arrive(tmp_path, capsys):
 @pytest.mark.parametrize('version', ['1', '2', '3'])
 @pytest.mark.parametrize('crc', ['word', 'byte'])
 def test_versions_and_crc_orders(tmp_path, version, crc):
-    """As the stream tells."""
+    """The stream has the requested version and CRC order."""
     data = to_file(tmp_path / 'a.bin', '--duration', '2', '--protocol-version', version,
                    '--crc', crc)
     frame_format = BahrsFormat()
@@ -146,7 +146,7 @@ def test_versions_and_crc_orders(tmp_path, version, crc):
 
 
 def test_a_scenario_from_a_file(tmp_path):
-    """Any command, at its time; quit ends it before the duration does."""
+    """Commands run at their times; quit ends the emulator before the duration does."""
     (tmp_path / 'scenario').write_text('1 integrity all unavailable\n2 quit\n')
     data = to_file(tmp_path / 'a.bin', '--duration', '100', '--scenario',
                    str(tmp_path / 'scenario'))
@@ -169,8 +169,8 @@ def test_a_scenario_from_a_file(tmp_path):
     (['--nvm-error-pages', '250'], 2, 'from 0 to 249'),
     (['--protocol-version', '4'], 2, 'invalid choice'),
 ])
-def test_a_mistake_is_told_in_a_sentence(capsys, words, status, says):
-    """With the reason, and no traceback."""
+def test_errors_are_one_sentence(capsys, words, status, says):
+    """The sentence has the reason, and there is no traceback."""
     try:
         found = main(['emulate', *words])
     except SystemExit as stop:
@@ -179,8 +179,8 @@ def test_a_mistake_is_told_in_a_sentence(capsys, words, status, says):
     assert found == status and says in error and 'Traceback' not in error
 
 
-def test_help_tells_units_defaults_and_commands(capsys):
-    """All flags, all faults, all commands."""
+def test_help_is_complete(capsys):
+    """The help has all options, all faults and all commands."""
     with pytest.raises(SystemExit):
         main(['emulate', '--help'])
     text = capsys.readouterr().out
@@ -192,7 +192,7 @@ def test_help_tells_units_defaults_and_commands(capsys):
 
 
 def test_a_device_on_a_port(tmp_path):
-    """Paced, with a control line that a wrong word does not end; its link goes with it."""
+    """The device is paced, an invalid command ends nothing, and the link is removed at the end."""
     link = tmp_path / 'port'
     with emulator('--link', str(link), '--wait', '--seed', '3') as child:
         assert child.stdout.readline().strip() == str(link)
@@ -212,8 +212,8 @@ def test_a_device_on_a_port(tmp_path):
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_it(tmp_path, number):
-    """Cleanly."""
+def test_a_signal_ends_the_emulator(tmp_path, number):
+    """The emulator ends with status 0 and removes its link."""
     link = tmp_path / 'port'
     with emulator('--link', str(link)) as child:
         assert child.stdout.readline()
@@ -223,8 +223,8 @@ def test_a_signal_ends_it(tmp_path, number):
     assert not os.path.lexists(link)
 
 
-def test_a_hang_up_that_is_ignored_does_not(tmp_path):
-    """Whoever says nohup has it go on."""
+def test_an_ignored_hang_up_does_not_end_it(tmp_path):
+    """After nohup the emulator continues."""
     with emulator(start=('sh', '-c', 'trap "" HUP; exec "$@"', 'sh')) as child:
         assert child.stdout.readline()
         child.send_signal(signal.SIGHUP)
@@ -233,7 +233,7 @@ def test_a_hang_up_that_is_ignored_does_not(tmp_path):
 
 
 def test_it_ends_after_its_duration():
-    """By itself, even when nobody listens or commands."""
+    """The emulator ends without a reader and without commands."""
     with emulator('--duration', '0.5') as child:
         assert child.stdout.readline().startswith('/dev/')
         status, error = finish(child, '')
@@ -241,7 +241,7 @@ def test_it_ends_after_its_duration():
 
 
 def test_unplugged_and_back_under_the_same_link(tmp_path):
-    """Who has it open finds it gone, and finds it again."""
+    """A reader loses the port, and finds it again."""
     link = tmp_path / 'port'
     with emulator('--link', str(link)) as child:
         child.stdout.readline()
@@ -258,7 +258,7 @@ def test_unplugged_and_back_under_the_same_link(tmp_path):
 
 
 def test_diagnostics_mode_over_the_port(tmp_path):
-    """A page of an image from a file."""
+    """The device answers with a page of an image from a file."""
     image, link = bytes(index % 199 for index in range(8000)), tmp_path / 'port'
     (tmp_path / 'nvm').write_bytes(image)
     with emulator('--link', str(link), '--nvm', str(tmp_path / 'nvm')) as child:
@@ -274,7 +274,7 @@ def test_diagnostics_mode_over_the_port(tmp_path):
 @pytest.mark.parametrize(('mode', 'least', 'most'), [
     ('none', 0, 120), ('16', 100, 200), ('packets', 400, 600)])
 def test_bursts_and_pace(tmp_path, mode, least, most):
-    """How much comes at once, and that it comes as fast as the device makes it."""
+    """The size of bursts fits the adapter, the rate fits the device."""
     link = tmp_path / 'port'
     with emulator('--link', str(link), '--latency-timer', mode) as child:
         child.stdout.readline()

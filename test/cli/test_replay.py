@@ -39,8 +39,8 @@ def stream(seconds):
 
 
 @pytest.mark.parametrize('rate', [1, 4])
-def test_every_byte_comes_at_the_rate_of_the_device(tmp_path, rate):
-    """Two seconds of it, or four times faster; noise included."""
+def test_bytes_arrive_at_the_rate_of_the_device(tmp_path, rate):
+    """Two seconds of stream, noise included, take two seconds, or a quarter of that."""
     data, file, link = stream(2), tmp_path / 'data.bin', tmp_path / 'port'
     file.write_bytes(data)
     with running('bahrs', 'replay', str(file), '--link', str(link), '--rate', str(rate)) as player:
@@ -64,7 +64,7 @@ def test_every_byte_comes_at_the_rate_of_the_device(tmp_path, rate):
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_interrupted(tmp_path, number):
-    """Ctrl-C ends it, or a signal from elsewhere, and its link goes."""
+    """Ctrl-C or another signal ends the replay and removes the link."""
     file, link = tmp_path / 'data.bin', tmp_path / 'port'
     file.write_bytes(stream(1))
     with running('bahrs', 'replay', str(file), '--link', str(link)) as player:
@@ -74,8 +74,8 @@ def test_interrupted(tmp_path, number):
     assert not os.path.lexists(link)
 
 
-def test_a_link_that_would_hide_a_file(tmp_path):
-    """It is refused, and the file stays."""
+def test_a_link_at_the_path_of_a_file(tmp_path):
+    """The link is rejected, and the file stays."""
     file = tmp_path / 'data.bin'
     file.write_bytes(b'x')
     with running('bahrs', 'replay', str(file), '--link', str(file)) as player:
@@ -86,14 +86,14 @@ def test_a_link_that_would_hide_a_file(tmp_path):
 
 @pytest.mark.parametrize('rate', ['0', '-1', 'fast'])
 def test_bad_rate(rate):
-    """It must be more than 0."""
+    """The rate must be more than 0."""
     with running('bahrs', 'replay', 'x', '--rate', rate) as player:
         assert player.wait() == 2
         assert '--rate' in player.text and 'Traceback' not in player.text
 
 
 def write_bag(folder, chunks):
-    """Write a bag with raw, of bytes and the seconds at which each was read."""
+    """Write a bag with raw: bytes, and the seconds of their reads."""
     with BagWriter(folder) as bag:
         bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
         for at, data in chunks:
@@ -103,7 +103,7 @@ def write_bag(folder, chunks):
 
 
 def played(file, link, *words):
-    """Return the reads of a replay, in seconds since the port was asked for, and its output."""
+    """Return the reads of a replay, in seconds since its start, and its output."""
     with running('bahrs', 'replay', str(file), '--link', str(link), '--json', *words) as player:
         assert wait_for(lambda: player.lines)
         port, reads, begin = Link(str(link), 115200), [], time.monotonic()
@@ -119,8 +119,8 @@ def played(file, link, *words):
     return reads, json.loads(player.lines[-1])
 
 
-def test_a_bag_comes_as_it_was_read(tmp_path):
-    """Its own bytes, not before their times."""
+def test_a_bag_is_played_at_its_own_times(tmp_path):
+    """The bytes are the same and arrive at their times."""
     chunks = [(0.0, b'abc'), (0.5, b'def'), (1.5, b'ghi')]
     write_bag(tmp_path / 'bag', chunks)
     reads, told = played(tmp_path / 'bag', tmp_path / 'port')
@@ -131,7 +131,7 @@ def test_a_bag_comes_as_it_was_read(tmp_path):
 
 
 def test_a_bag_of_a_host_that_was_set(tmp_path):
-    """The pace is that of the steady clock, whatever the wall clock did."""
+    """The steady clock sets the pace, even if the wall clock was set."""
     with BagWriter(tmp_path / 'bag') as bag:
         bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
         for at, step, data in ((0.0, 0, b'abc'), (0.5, -3600, b'def'), (1.5, 3600, b'ghi')):
@@ -147,7 +147,7 @@ def test_a_bag_of_a_host_that_was_set(tmp_path):
 
 
 def test_faults_on_request(tmp_path):
-    """Half of the frames do not come, the others are whole; the count is told."""
+    """Half of the frames are lost, the others are intact, and the losses are reported."""
     file, data = tmp_path / 'data.bin', stream(2)
     file.write_bytes(data)
     reads, told = played(file, tmp_path / 'port', '--fault', 'drop_frame=0.5', '--latency-timer',
@@ -161,7 +161,7 @@ def test_faults_on_request(tmp_path):
 
 @pytest.mark.parametrize('words', [['--fault', 'rust=1'], ['--latency-timer', '0']])
 def test_bad_cable(words):
-    """The sentence says what there is."""
+    """The sentence lists the valid faults."""
     with running('bahrs', 'replay', 'x', *words) as player:
         assert player.wait() == 2
         assert words[0] in player.text and 'Traceback' not in player.text
@@ -173,7 +173,7 @@ def test_bad_cable(words):
     (['--settle', '-1'], 2, "a time is '-1': it must be a number"),
 ])
 def test_nothing_to_play(tmp_path, words, status, sentence):
-    """It is told at once, and nobody waits for a device."""
+    """The error is printed at once, without waiting for a reader."""
     file = tmp_path / 'empty.bin'
     file.touch()
     with running('bahrs', 'replay', str(file), *words) as replay:
@@ -182,7 +182,7 @@ def test_nothing_to_play(tmp_path, words, status, sentence):
 
 
 def read_some(link, count):
-    """Open the port, read so many bytes or more, and close it."""
+    """Open the port, read at least some bytes, and close it."""
     port, got = Link(str(link), 115200), b''
     port.connect()
     while len(got) < count:
@@ -193,7 +193,7 @@ def read_some(link, count):
 
 
 def test_a_reader_that_comes_back(tmp_path):
-    """Playing pauses without one, says so once each time, and goes on where it was."""
+    """Playing pauses without a reader, reports each pause once, and resumes at the same byte."""
     sentence = 'the reader has closed the port'
     data, file, link = stream(2), tmp_path / 'data.bin', tmp_path / 'port'
     file.write_bytes(data)
@@ -211,7 +211,7 @@ def test_a_reader_that_comes_back(tmp_path):
 
 
 def test_a_reader_that_has_gone(tmp_path):
-    """Nobody comes: it ends, and what was not read is not said to have been played."""
+    """Without another reader the replay ends, and unread bytes do not count as played."""
     data, file, link = stream(20), tmp_path / 'data.bin', tmp_path / 'port'
     file.write_bytes(data)
     with running('bahrs', 'replay', str(file), '--link', str(link), '--reopen-timeout', '0.5',

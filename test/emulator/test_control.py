@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Commands, scenarios, and what they do to an emulation."""
+"""Tests of control commands, scenarios and ground truth."""
 
 import io
 import json
@@ -21,7 +21,7 @@ SAFE, RISK, UNAVAILABLE = Integrity.SAFE, Integrity.INTEGRITY_RISK, Integrity.UN
 
 
 def after(*lines, now=1.0):
-    """Return an emulation that was told some lines at a time."""
+    """Return an emulation after some commands at a time."""
     emulation = make_emulation()
     on_the_wire(emulation, now)
     for line in lines:
@@ -36,13 +36,13 @@ def last(emulation, kind, until=2.0):
 
 
 def test_one_signal_at_risk():
-    """The others are as they were."""
+    """The other signals do not change."""
     message = last(after('integrity roll risk'), Navigation)
     assert message.health == (SAFE, SAFE, RISK, SAFE, SAFE)
 
 
 def test_a_whole_quantity_and_everything():
-    """Specific force means its three components, all means all."""
+    """A quantity sets its components, all sets every signal."""
     assert last(after('integrity specific_force unavailable'), Inertial).health == (
         UNAVAILABLE, UNAVAILABLE, UNAVAILABLE, SAFE, SAFE, SAFE)
     everything = after('integrity all risk', 'integrity angular_rate_z safe')
@@ -51,7 +51,7 @@ def test_a_whole_quantity_and_everything():
 
 
 def test_faults_and_timer_change():
-    """While it runs."""
+    """Commands change both in a running emulation."""
     emulation = after('fault drop_frame=1', 'latency-timer packets')
     assert emulation.cable.mode == PACKETS
     sent, data = on_the_wire(emulation, 2.0)
@@ -60,12 +60,12 @@ def test_faults_and_timer_change():
 
 
 def test_the_power_switch():
-    """The device tells its version again."""
+    """The device sends its version again."""
     assert isinstance(last(after('power-cycle'), SoftwareVersion), SoftwareVersion)
 
 
-def test_the_plug():
-    """What is sent without it is lost, and known to be; then all is as before."""
+def test_unplugging():
+    """Frames sent meanwhile are lost and marked so; afterwards frames arrive again."""
     emulation = after('unplug 0.5')
     assert not emulation.plugged(1.4) and emulation.plugged(1.5)
     sent, data = on_the_wire(emulation, 1.4)
@@ -75,20 +75,20 @@ def test_the_plug():
 
 
 def test_drift_and_pulses():
-    """They reach the device."""
+    """The commands reach the device."""
     emulation = after('drift-ppm -50', 'sync-pulse-rate 5', now=1.1)
     assert emulation.device.clock.drift_ppm == -50.0
     sent, _ = on_the_wire(emulation, 3.11)
     assert sum(item.emission.name == 'sync_pulse_time' for item in sent) == 10
 
 
-def test_the_end():
-    """It is a state, and whoever runs the emulation looks at it."""
+def test_quit():
+    """The command sets a flag that ends the run."""
     assert after('quit').ended and not after().ended
 
 
 def test_empty_lines_and_comments_do_nothing():
-    """And are no mistake."""
+    """Neither changes anything."""
     after('', '   ', '# integrity all risk')
 
 
@@ -105,15 +105,15 @@ def test_empty_lines_and_comments_do_nothing():
     ('drift-ppm fast', 'from -100000 to 100000'),
     ('sync-pulse-rate -1', 'from 0 to 1000'),
 ])
-def test_a_wrong_line_is_refused_with_a_reason(line, says):
-    """In one sentence, and nothing has changed."""
+def test_an_invalid_line_is_rejected(line, says):
+    """The error is one sentence, and nothing changes."""
     with pytest.raises(ControlError, match=says) as caught:
         after(line)
     assert '\n' not in str(caught.value)
 
 
 def test_a_scenario_is_in_the_order_of_time():
-    """Whatever the order of its lines."""
+    """The lines may have any order."""
     text = '20 integrity roll safe\n\n# a comment\n 12.5  integrity roll risk  # here\n'
     assert parse(text.splitlines()) == [
         TimedCommand(12.5, 'integrity roll risk'), TimedCommand(20.0, 'integrity roll safe')]
@@ -123,21 +123,21 @@ def test_a_scenario_is_in_the_order_of_time():
     ('integrity roll risk', 'line 2 .*must be seconds and a command'), ('5', 'line 2'),
     ('-1 quit', 'line 2'), ('inf quit', 'line 2'), ('5 explode', "line 2: .*no command 'explode'"),
     ('5 integrity roll', 'line 2: .*write "integrity SIGNAL STATE"')])
-def test_a_wrong_scenario_is_refused_before_it_begins(line, says):
-    """With the number of the line."""
+def test_an_invalid_scenario_is_rejected_before_it_starts(line, says):
+    """The error has the number of the line."""
     with pytest.raises(ScenarioError, match=says):
         parse(['# first', line])
 
 
 def test_a_check_needs_no_emulation():
-    """It tells what can be told without one."""
+    """The check finds errors that do not depend on the device."""
     check('quit')
     with pytest.raises(ControlError):
         check('quit now')
 
 
 def test_a_scenario_happens_at_its_time():
-    """To the sample, and the truth says so."""
+    """Commands take effect at their sample, and the truth has them."""
     file = io.StringIO()
     scenario = parse(['1.005 integrity roll risk', '2.005 integrity roll safe',
                       '2.505 unplug 0.2'])
@@ -156,7 +156,7 @@ def test_a_scenario_happens_at_its_time():
 
 
 def test_a_line_of_truth():
-    """Says what, when by all clocks, how it fared, and what was so."""
+    """A line has message, times by all clocks, fate and true values."""
     file = io.StringIO()
     session = Session(make_emulation(make_device()), (), TruthFile(file))
     session.advance(0.6, HostTime(10, 20))
@@ -172,7 +172,7 @@ def test_a_line_of_truth():
 
 
 def test_the_truth_can_be_read_while_it_is_written(tmp_path):
-    """Twice a second what was written so far becomes visible."""
+    """The file is flushed twice a second."""
     with open(tmp_path / 'truth', 'w') as file:
         session = Session(make_emulation(make_device()), (), TruthFile(file))
         session.advance(5.0, HostTime())
@@ -180,8 +180,8 @@ def test_the_truth_can_be_read_while_it_is_written(tmp_path):
     assert json.loads(last_line)['host_monotonic_ns'] > 4_400_000_000
 
 
-def test_a_line_that_is_too_slow_loses_what_it_cannot_carry():
-    """And is used to the full."""
+def test_a_slow_line_loses_frames():
+    """The line is fully used."""
     emulation = make_emulation(make_device(debug_rate=200.0))
     sent, data = on_the_wire(emulation, 20.0)
     kept = [item for item in sent if item.wire == 'intact']

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The device's clock, in literal figures."""
+"""Tests of the device clock, with literal values."""
 
 from bahrs_driver.emulator.device_clock import DeviceClock
 import pytest
@@ -33,7 +33,7 @@ def test_a_reading_between_samples_follows_the_drift():
 
 
 def test_the_drift_can_be_changed_while_it_runs():
-    """What was so before stays."""
+    """Earlier readings do not change."""
     clock = DeviceClock(1)
     clock.advance(1_000_000)
     clock.drift_ppm = 1e5
@@ -42,7 +42,7 @@ def test_the_drift_can_be_changed_while_it_runs():
 
 
 def test_wander_is_slow_and_seeded():
-    """One ppm per square root of a second strays by some ppm in a hundred seconds."""
+    """One ppm per square root of a second drifts by some ppm in a hundred seconds."""
     def strayed(seed):
         clock = DeviceClock(seed, wander_ppm=1.0)
         for _ in range(20_000):
@@ -54,7 +54,7 @@ def test_wander_is_slow_and_seeded():
 
 
 def test_a_restart_sets_the_reading_back():
-    """As power-on does."""
+    """The reading is that after power-on."""
     clock = DeviceClock(1, start_us=500)
     clock.advance(1_000)
     clock.restart(3.0)

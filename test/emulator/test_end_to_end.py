@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The emulator's truth against what the driver publishes."""
+"""Compare the emulator's truth with the topics of the driver."""
 
 import json
 import math
@@ -56,7 +56,7 @@ def worst_vector(found, true, quantum, convention):
 
 
 @pytest.mark.parametrize('convention', ['enu', 'ned'])
-def test_what_is_published_is_the_truth(flown, convention):
+def test_topics_agree_with_the_truth(flown, convention):
     """Over the whole flight: above 4,500 m, through north, through south."""
     converter = sensor(convention).converter
     inertial, navigation, seen = {}, {}, []
@@ -100,7 +100,7 @@ def test_what_is_published_is_the_truth(flown, convention):
 
 
 def places(found, true):
-    """Return where in the truth the headings are that were found, as long as they are in order."""
+    """Return the positions of the headings in the truth, as long as they are in order."""
     positions = []
     for heading in found:
         rest = range(positions[-1] + 1 if positions else 0, len(true))
@@ -112,8 +112,8 @@ def places(found, true):
     return positions
 
 
-def test_what_a_subscriber_hears_is_the_truth(tmp_path):
-    """The same through a port, the node and the middleware, as processes."""
+def test_a_subscriber_receives_the_truth(tmp_path):
+    """The same holds through port, node and middleware, as processes."""
     link, truth_file = str(tmp_path / 'port'), tmp_path / 'truth.jsonl'
     topics = {'heading': Float64, 'pressure_altitude': NavSatFix, 'imu/data_raw': Imu}
     with listening(topics) as ear:

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of where a motion leads: velocity and position must fit."""
+"""Tests of the path of a motion: velocity and position agree."""
 
 import math
 
@@ -15,14 +15,14 @@ AWAY = Change(0.0)
 
 
 class Straight:
-    """At a speed and on a course for ever."""
+    """A constant speed and course."""
 
     def __init__(self, speed, course, height=0.0):
         """Take m/s, degrees and m."""
         self._truth = truth(Change(speed), AWAY, Change(math.radians(course)), Change(1.0), height)
 
     def at(self, time):
-        """Return the truth, always the same."""
+        """Return the true values, which never change."""
         return self._truth
 
 
@@ -30,7 +30,7 @@ class Straight:
     ((0.0, 10.0), 90.0, 100.0), ((0.0, -179.9), 270.0, 300.0), ((-20.0, 5.0), 0.0, 250.0),
     ((60.0, 5.0), 180.0, 250.0)])
 def test_along_the_equator_and_along_a_meridian_it_is_the_geodesic(start, course, speed):
-    """To a tenth of a millimetre after ten minutes, across the date line, too."""
+    """The error is at most 0.1 mm after ten minutes, across the date line, too."""
     _, place, (north, east) = GroundPath(Straight(speed, course), *start).at(600.0)
     longitude, latitude, _ = WGS84.fwd(start[1], start[0], course, 600.0 * speed)
     _, _, away = WGS84.inv(longitude, latitude, place.longitude, place.latitude)
@@ -40,7 +40,7 @@ def test_along_the_equator_and_along_a_meridian_it_is_the_geodesic(start, course
 
 @pytest.mark.parametrize('time', [40.0, 95.3, 400.01, 700.0])
 def test_the_slope_of_the_position_is_the_velocity(time):
-    """In flight, as the geodesic over 20 ms has it; a height makes the arc longer."""
+    """In flight, the geodesic over 20 ms fits the velocity; height makes the arc longer."""
     path = GroundPath(Flight(), 47.0, 5.9999)
     before, after = path.at(time - 0.01)[1], path.at(time + 0.01)[1]
     truth_now = path.at(time)[0]
@@ -54,8 +54,8 @@ def test_the_slope_of_the_position_is_the_velocity(time):
         -truth_now.velocity_down, abs=1e-3)
 
 
-def test_any_time_may_be_asked_for_in_any_order():
-    """The same place each time."""
+def test_times_in_any_order():
+    """The position is the same each time."""
     path = GroundPath(Flight(), 47.0, 11.0)
     late = path.at(123.456)
     early = path.at(7.0)
@@ -64,7 +64,7 @@ def test_any_time_may_be_asked_for_in_any_order():
 
 
 def test_at_rest_nothing_moves():
-    """Not by a hair."""
+    """The position does not change."""
     _, place, moved = GroundPath(Still(), 47.0, 11.0).at(1000.0)
     assert (round(place.latitude, 12), round(place.longitude, 12), moved) == (
         47.0, 11.0, (0.0, 0.0))

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bias and noise of measurements."""
+"""Tests of bias and noise."""
 
 import statistics
 
@@ -9,12 +9,12 @@ import pytest
 
 
 def test_without_parameters_the_truth_is_measured():
-    """To the last digit."""
+    """The measured values equal the true values."""
     assert MeasurementErrors(1).add('specific_force', (0.1, -0.2, -9.8)) == (0.1, -0.2, -9.8)
 
 
-def test_deviation_and_bias_are_as_asked_for():
-    """Within what ten thousand samples tell."""
+def test_deviation_and_bias_are_as_requested():
+    """Ten thousand samples agree within their statistics."""
     noise = MeasurementErrors(3, {'pressure_height': 0.5}, {'pressure_height': (2.0,)})
     errors = [noise.add('pressure_height', (100.0,))[0] - 100.0 for _ in range(10_000)]
     assert statistics.mean(errors) == pytest.approx(2.0, abs=0.02)
@@ -22,14 +22,14 @@ def test_deviation_and_bias_are_as_asked_for():
 
 
 def test_the_seed_decides():
-    """The same seed gives the same noise, another one another."""
+    """The same seed gives the same noise, another seed other noise."""
     draws = [MeasurementErrors(seed, {'angular_rate': 1.0}).add('angular_rate', (0.0,) * 3)
              for seed in (1, 1, 2)]
     assert draws[0] == draws[1] != draws[2]
 
 
 def test_texts_become_parameters():
-    """One value for each component of a bias."""
+    """A bias has a value for each component."""
     assert parse_deviation('angular_rate=0.001') == ('angular_rate', 0.001)
     assert parse_bias('specific_force=0.1,0,-0.2') == ('specific_force', (0.1, 0.0, -0.2))
     assert parse_bias('pressure_height=-3') == ('pressure_height', (-3.0,))
@@ -43,7 +43,7 @@ def test_texts_become_parameters():
     (parse_bias, 'attitude=1,2,much', "is 'much'"),
     (parse_bias, 'attitude=1,2,nan', "is 'nan'"),
 ])
-def test_a_wrong_text_is_refused_with_a_reason(parse, text, says):
-    """In one sentence."""
+def test_an_invalid_text_is_rejected(parse, text, says):
+    """The error is one sentence."""
     with pytest.raises(ValueError, match=says):
         parse(text)

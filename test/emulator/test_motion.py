@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The truth is consistent: rates, attitude, forces, velocity and height belong together."""
+"""Tests that rates, attitude, forces, velocity and height of a motion agree."""
 
 import math
 
@@ -72,8 +72,8 @@ def test_the_height_fits_the_vertical_velocity():
         assert flight.at(time).velocity_down == flight.at(time).velocity[2]
 
 
-def test_nothing_jumps():
-    """From one sample to the next, the round of the flight included, no quantity does."""
+def test_motion_is_continuous():
+    """No quantity jumps between samples, nor at the end of the flight."""
     flight = Flight()
     for time in [phase_end(index) for index in range(len(FLIGHT))]:
         before, after = flight.at(time - 1e-6), flight.at(time + 1e-6)
@@ -92,7 +92,7 @@ def flat(truth):
             for number in (item if isinstance(item, tuple) else (item,))]
 
 
-def test_the_flight_does_what_it_is_for():
+def test_the_flight_covers_heights_banks_and_headings():
     """It climbs to 6,000 m, banks both ways, and passes north and south both ways."""
     truths = [Flight().at(time) for time in np.arange(0.0, FLIGHT_TIME, 0.1)]
     heights = [truth.pressure_height for truth in truths]
@@ -107,14 +107,14 @@ def test_the_flight_does_what_it_is_for():
 
 
 def test_the_flight_ends_as_it_began():
-    """So that the next round follows without a seam, for hours."""
+    """The next flight follows without a jump, for hours."""
     start = Flight().at(0.0)
     for end in (Flight().at(FLIGHT_TIME - 1e-9), Flight().at(7 * FLIGHT_TIME)):
         assert flat(end) == pytest.approx(flat(start), abs=1e-6)
 
 
-def test_a_newcomer_sees_it_move():
-    """The heading within fifteen seconds, a bank within two minutes."""
+def test_the_motion_is_soon_visible():
+    """The heading changes within 15 s, the bank within two minutes."""
     flight = Flight()
     assert abs(math.remainder(flight.at(15.0).heading - flight.at(0.0).heading, 2 * math.pi)) > 0.5
     assert max(flight.at(time).roll for time in range(120)) > math.radians(25)
@@ -129,7 +129,7 @@ def test_the_vehicle_at_rest_feels_gravity_only():
     assert truth.heading == pytest.approx(math.pi / 2)
 
 
-def test_a_coordinated_turn_pulls_nobody_sideways():
+def test_a_coordinated_turn_has_no_lateral_force():
     """Bank by v*omega/g, the load along the body's down axis."""
     truth = SteadyTurn().at(10.0)
     turn = SteadyTurn.SPEED * SteadyTurn.TURN_RATE
@@ -149,6 +149,6 @@ def test_a_profile_is_exact():
 
 
 def test_every_motion_can_be_chosen():
-    """By name, and each gives a truth at the start."""
+    """Each motion has a name and true values at the start."""
     assert set(MOTIONS) == {'flight', 'still', 'steady-turn'}
     assert all(make().at(0.0).pressure_height > 0 for make in MOTIONS.values())

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""An emulation in real time, in this process; and the lines that command it."""
+"""Tests of an emulation in real time, in this process, and of its control input."""
 
 import contextlib
 import io
@@ -19,7 +19,7 @@ from support.emulated import decoded, make_device, make_emulation
 
 @contextlib.contextmanager
 def control():
-    """Give a control input and what writes into it."""
+    """Return a control input and its writing end."""
     out, into = os.pipe()
     try:
         yield ControlInput(out), lambda text: os.write(into, text)
@@ -39,7 +39,7 @@ def opened(path):
 
 
 def heard(port):
-    """Return all that waits at a port: one read may bring less."""
+    """Return all unread bytes of a port: one read may return fewer."""
     data = b''
     with contextlib.suppress(BlockingIOError):
         while True:
@@ -48,16 +48,16 @@ def heard(port):
 
 
 class Run:
-    """A paced run with nobody at its control, that notes what it is told."""
+    """A paced run without commands that records names and complaints."""
 
     def __init__(self, link=None, commands=None):
-        """Take where commands come from."""
+        """Set the source of commands."""
         self.names, self.complaints = [], []
         self.paced = PacedRun(link, commands or ControlInput(None), self.names.append,
                               self.complaints.append)
 
     def started(self):
-        """Let time begin; return the port."""
+        """Start; return the port."""
         self.paced.start()
         return self.names[-1]
 
@@ -76,7 +76,7 @@ def session(*scenario, **behavior):
 
 
 def test_it_keeps_time_and_ends_in_time():
-    """What is sent in a second takes a second."""
+    """The bytes of a second take a second."""
     with Run() as run, opened(run.started()) as port:
         began = time.monotonic()
         run.paced.run(session(), 1.0)
@@ -87,8 +87,8 @@ def test_it_keeps_time_and_ends_in_time():
     assert run.paced.lost == 0
 
 
-def test_it_is_never_too_late_for_what_is_due():
-    """Though the process slept over all of it."""
+def test_a_late_process_catches_up():
+    """Everything happens, even if the process slept meanwhile."""
     with Run() as run, opened(run.started()) as port:
         time.sleep(0.8)
         talk = session('0.1 integrity nose risk', '0.6 quit')
@@ -98,16 +98,16 @@ def test_it_is_never_too_late_for_what_is_due():
     assert len(run.complaints) == 1 and talk.emulation.ended
 
 
-def test_zero_is_now_by_all_clocks():
-    """And time begins at the start, not before."""
+def test_time_zero_on_all_clocks():
+    """Time starts at start()."""
     with Run() as run:
         zero = run.paced.start()
     assert abs(zero.monotonic_ns - time.monotonic_ns()) < 60e9
     assert abs(zero.unix_ns - time.time_ns()) < 60e9
 
 
-def test_it_can_be_told_to_end():
-    """While it waits for somebody, and while it runs."""
+def test_end():
+    """end() works while the run waits for a reader, and later."""
     with Run() as run:
         threading.Timer(0.1, run.paced.end).start()
         run.paced.start(wait=True)
@@ -118,8 +118,8 @@ def test_it_can_be_told_to_end():
         run.paced.run(session())
 
 
-def test_what_the_host_asks_is_answered():
-    """In the order of requests."""
+def test_requests_are_answered():
+    """Answers have the order of requests."""
     with Run() as run, opened(run.started()) as port:
         os.write(port, BahrsCodec().encode(EnterDiagnostics(), 3))
         talk, data, until = session(), b'', 0.0
@@ -130,8 +130,8 @@ def test_what_the_host_asks_is_answered():
     assert Acknowledgement(0xF0, 0) in decoded(data)
 
 
-def test_the_plug_is_pulled_and_put_back(tmp_path):
-    """The link goes and comes; whoever opens it then finds the device at work."""
+def test_unplug_and_plug_in(tmp_path):
+    """The link is removed and created again; a new reader gets data."""
     link = tmp_path / 'port'
     with Run(str(link)) as run:
         run.paced.start()
@@ -146,8 +146,8 @@ def test_the_plug_is_pulled_and_put_back(tmp_path):
     assert not link.is_symlink()
 
 
-def test_a_reader_that_sleeps_loses_bytes_and_stops_nobody():
-    """They are counted."""
+def test_a_slow_reader_loses_bytes_and_blocks_nothing():
+    """The lost bytes are counted."""
     with Run() as run, opened(run.started()):
         talk = session()
         talk.emulation.cable.send(0.0, bytes(1_000_000))
@@ -156,8 +156,8 @@ def test_a_reader_that_sleeps_loses_bytes_and_stops_nobody():
         assert run.paced.lost > 500_000
 
 
-def test_commands_come_in_lines_and_wrong_ones_end_nothing():
-    """Nor does a scenario that asks for what there is not."""
+def test_invalid_commands_end_nothing():
+    """An invalid command of a scenario ends nothing either."""
     with control() as (commands, say), Run(commands=commands) as run:
         run.paced.start()
         say(b'nonsense\nfault rust=1\n')
@@ -169,8 +169,8 @@ def test_commands_come_in_lines_and_wrong_ones_end_nothing():
                for word in ('nonsense', 'rust', 'nose'))
 
 
-def test_lines_may_come_in_pieces():
-    """And the last without an end."""
+def test_lines_in_pieces():
+    """The last line may lack its end."""
     with control() as (commands, say):
         say(b'first\nsec')
         assert commands.lines() == ['first']
@@ -186,8 +186,8 @@ def test_lines_may_come_in_pieces():
     os.close(out)
 
 
-def test_a_file_gets_all_that_was_sent():
-    """Whatever the adapter would have held back."""
+def test_a_file_gets_all_bytes():
+    """Bytes that the adapter holds back are written, too."""
     results = set()
     for mode in ('none', 'packets', 0.016):
         file = io.BytesIO()

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""An emulated Titan-M against what the driver makes of it: in simulated time, and as processes."""
+"""Compare an emulated Titan-M with the topics, in simulated time and as processes."""
 
 import json
 import math
@@ -40,7 +40,7 @@ SPHERE = 6_378_137.0
 
 
 def converter(**changes):
-    """Return the converter that the node uses, with default parameters but for some."""
+    """Return the converter of the node with some parameters changed."""
     return parts_of('titan_m', **changes).converter
 
 
@@ -56,7 +56,7 @@ def worst(found, true, quantum):
 
 
 def metres(fix, truth):
-    """Return how far a fix is from the truth, and how far too high."""
+    """Return the horizontal and the vertical error of a fix."""
     north = math.radians(fix.latitude - truth['latitude']) * SPHERE
     east = math.radians(math.remainder(fix.longitude - truth['longitude'], 360)) * SPHERE \
         * math.cos(math.radians(truth['latitude']))
@@ -74,12 +74,12 @@ def turn_between(orientation, attitude):
 
 
 def enu(ned):
-    """Return a vector of the world as it is published."""
+    """Return a world vector in the published convention."""
     return ned[1], ned[0], -ned[2]
 
 
 def flu(frd):
-    """Return a vector of the body as it is published."""
+    """Return a body vector in the published convention."""
     return frd[0], -frd[1], -frd[2]
 
 
@@ -91,7 +91,7 @@ def xyz(vector):
 @pytest.mark.parametrize('payload, checksum, length', [
     ('little', 'big', 0x3A), ('big', 'little', 0x2E)])
 def test_a_whole_flight_across_the_equator_and_a_zone_border(payload, checksum, length):
-    """What is published is the truth: to 2 cm, and to one quantum of what is on the wire."""
+    """Published values are true to 2 cm and to one quantum of the wire format."""
     flight = Flight()
     polled = PolledDevice(make_titan(
         flight, START, payload_order=payload, checksum_order=checksum, request_order=checksum,
@@ -142,7 +142,7 @@ def test_a_whole_flight_across_the_equator_and_a_zone_border(payload, checksum, 
     (0x3A, 0.016, PollOptions(pipelined=True, counted_ids=True)),
 ])
 def test_rates_are_kept_and_losses_counted_with_one_in_a_hundred_damaged(length, mode, options):
-    """Of 50 Hz, 50 Hz and 10 Hz at 115200 baud; and no answer is taken for another."""
+    """50 Hz, 50 Hz and 10 Hz fit 115200 baud, and no answer is mistaken for another."""
     seconds = 60.0
     device = make_titan(SteadyTurn(), (0.0, 6.0), MeasurementErrors(1, DEVIATIONS),
                         sensors_length=length)
@@ -171,8 +171,8 @@ def test_rates_are_kept_and_losses_counted_with_one_in_a_hundred_damaged(length,
         assert asked < item.stamp_ns < read * NS
 
 
-def test_late_and_doubled_answers_are_counted_and_left_out():
-    """A device that often takes its time, on a line that says things twice."""
+def test_late_and_repeated_answers_are_counted_and_dropped():
+    """The device is often late, and the line repeats frames."""
     device = make_titan(late_share=0.02)
     polled = PolledDevice(device, faults={'repeat_frame': 0.02})
     polled.run(60.0)
@@ -185,8 +185,8 @@ def test_late_and_doubled_answers_are_counted_and_left_out():
     assert poller.answered[StateRequest] > 2500
 
 
-def test_a_device_that_is_switched_off_and_on_is_asked_again():
-    """A second of silence costs what falls into it."""
+def test_polling_resumes_after_a_power_cycle():
+    """Only the answers of a second of silence are lost."""
     polled = PolledDevice()
     polled.run(5.0)
     before = polled.poller.answered.total()
@@ -198,12 +198,12 @@ def test_a_device_that_is_switched_off_and_on_is_asked_again():
 
 
 def counted(ear):
-    """Return the values of the latest status of the task Requests, if there is any yet."""
+    """Return the values of the latest status of the task Requests, if any."""
     latest = status(ear, 'Requests')
     return {pair.key: pair.value for pair in latest.values} if latest else {}
 
 
-def test_what_subscribers_hear_is_the_truth(tmp_path):
+def test_subscribers_receive_the_truth(tmp_path):
     """The node as a process, with one answer in a hundred damaged: values and counts."""
     link, truth_file = str(tmp_path / 'port'), tmp_path / 'truth.jsonl'
     with listening({**TOPICS, **DIAGNOSTICS}) as ear:

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The launch files: an argument beats the file, the file beats a default, and nothing leaks."""
+"""Tests of the launch files: arguments override the file, the file overrides defaults."""
 
 import importlib.util
 from pathlib import Path
@@ -29,11 +29,11 @@ class StandIn:
                     'generate_launch_description'] for name in FILES}
 
     def set_argument(self, name, value):
-        """Return what sets an argument in the scope of the includer."""
+        """Return an action that sets an argument in the scope of the includer."""
         return launch_stand_in.SetLaunchConfiguration(name, value)
 
     def include(self, file, arguments):
-        """Return what includes a file with arguments."""
+        """Return an action that includes a file with arguments."""
         sets = [self.set_argument(*argument) for argument in arguments.items()]
         return launch_stand_in.LaunchDescription([*sets, self._describe[file]()])
 
@@ -58,7 +58,7 @@ class Real:
         self.set_argument = actions.SetLaunchConfiguration
 
     def include(self, file, arguments):
-        """Return what includes a file with arguments."""
+        """Return an action that includes a file with arguments."""
         return self._actions.IncludeLaunchDescription(
             self._source(str(ROOT / 'launch' / f'{file}.launch.py')),
             launch_arguments=arguments.items())
@@ -81,7 +81,7 @@ class Real:
 
 @pytest.fixture(params=[StandIn, Real], ids=['stand-in', 'real'])
 def launch(request):
-    """Give what runs launch files: the stand-in, and launch itself where there is one."""
+    """Return what runs launch files: the stand-in, and launch if installed."""
     if request.param is Real and not importlib.util.find_spec('launch_ros'):
         pytest.skip('launch_ros is not installed: only its stand-in is tried')
     return request.param()
@@ -97,15 +97,15 @@ def of_node(command):
             values)
 
 
-def test_nothing_is_given(launch):
-    """The name is that of the package, and only the sensor of titan_m.launch.py is passed on."""
+def test_no_arguments(launch):
+    """The name is that of the package; only a device other than the default is passed on."""
     commands, _ = launch.run(launch.include('bahrs', {}), launch.include('titan_m', {}))
     assert [of_node(command) for command in commands] == [
         ('bahrs_driver', '/', ['bahrs.yaml'], {}),
         ('bahrs_driver', '/', ['titan_m.yaml'], {'sensor': 'titan_m'})]
 
 
-def test_all_is_given(launch, tmp_path):
+def test_all_arguments(launch, tmp_path):
     """A port that looks like a number stays a text."""
     file = tmp_path / 'my.yaml'
     file.touch()
@@ -115,7 +115,7 @@ def test_all_is_given(launch, tmp_path):
 
 
 def test_two_includes(launch, tmp_path):
-    """What the first was given is not found by the second, but by whoever included them."""
+    """Arguments of one include do not reach the next, but stay in the scope of the includer."""
     file = tmp_path / 'my.yaml'
     file.touch()
     first = {'port': '/dev/b', 'name': 'front', 'namespace': 'left', 'params_file': str(file)}
@@ -128,7 +128,7 @@ def test_two_includes(launch, tmp_path):
 
 
 def test_the_same_namespace_for_both(launch):
-    """It is given to each."""
+    """Each include gets it."""
     commands, _ = launch.run(
         launch.include('titan_m', {'namespace': 'left', 'name': 'a'}),
         launch.include('bahrs', {'namespace': 'left', 'name': 'b'}))
@@ -136,7 +136,7 @@ def test_the_same_namespace_for_both(launch):
 
 
 def test_an_argument_of_the_includer(launch):
-    """It reaches the first include, as with any launch file; later ones need it to be given."""
+    """The first include gets it, as with any launch file; later includes need their own."""
     commands, context = launch.run(
         launch.set_argument('namespace', 'left'),
         launch.include('bahrs', {}), launch.include('bahrs', {}))
@@ -151,8 +151,8 @@ def test_a_parameter_file_that_does_not_exist():
         launch.run(launch.include('bahrs', {'params_file': '/no/such.yaml'}))
 
 
-def test_what_an_include_drops_is_logged():
-    """With what to do if it was meant for both."""
+def test_dropped_arguments_are_logged():
+    """The log tells how to pass it to both."""
     launch = StandIn()
     _, context = launch.run(launch.include('bahrs', {'namespace': 'left'}),
                             launch.include('titan_m', {}))
@@ -170,8 +170,8 @@ INCLUDES = st.tuples(st.sampled_from(FILES), st.fixed_dictionaries({}, optional=
 
 
 @given(includes=st.lists(INCLUDES, min_size=1, max_size=4))
-def test_each_include_is_as_if_it_were_alone(includes):
-    """Whatever was included before it."""
+def test_includes_are_independent(includes):
+    """Earlier includes have no effect."""
     launch = StandIn()
     together, _ = launch.run(*(launch.include(*include) for include in includes))
     alone = [launch.run(launch.include(*include))[0][0] for include in includes]
@@ -184,9 +184,8 @@ KEYS = ['/**', '/*', 'bahrs_driver', '/bahrs_driver', '/**/bahrs_driver', '/**/*
 @given(port=st.sampled_from([None, '/dev/argument', '4001']), file=st.sampled_from(FILES),
        keys=st.lists(st.sampled_from(KEYS), unique=True, max_size=3),
        sensor=st.sampled_from([None, 'bahrs', 'titan_m']))
-def test_an_argument_beats_the_file_which_beats_a_default(tmp_path_factory, port, file, keys,
-                                                          sensor):
-    """In the driver, by which key the file ever names it."""
+def test_an_argument_overrides_the_file(tmp_path_factory, port, file, keys, sensor):
+    """This holds in the driver, for every key of the file."""
     params_file = tmp_path_factory.mktemp('launch') / 'my.yaml'
     lines = [f'{key}:\n  ros__parameters:\n    port: /dev/file\n'
              + (f'    sensor: {sensor}\n' if sensor else '') for key in keys]

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""When bytes arrive, in literal figures: 1,000 bytes a second make it easy to see."""
+"""Tests of arrival times, with literal values, at 1,000 bytes per second."""
 
 import math
 
@@ -11,7 +11,7 @@ BAUD_RATE = 10_000      # a byte a millisecond
 
 
 def arrivals(cable, until):
-    """Return (when, bytes) of all that arrives up to a time."""
+    """Return time and bytes of each arrival up to a time."""
     found = []
     while (now := cable.next_time) <= until:
         found.append((round(now, 6), cable.take(now)))
@@ -19,7 +19,7 @@ def arrivals(cable, until):
 
 
 def test_a_frame_arrives_when_its_last_byte_does():
-    """Ten bits for each byte."""
+    """A byte takes ten bit times."""
     cable = Cable(BAUD_RATE)
     cable.send(1.0, b'0123456789')
     assert cable.next_time == pytest.approx(1.010)
@@ -28,7 +28,7 @@ def test_a_frame_arrives_when_its_last_byte_does():
 
 
 def test_bytes_leave_back_to_back():
-    """What is ready while the line is busy waits for it."""
+    """Frames wait while the line is busy."""
     cable = Cable(BAUD_RATE)
     cable.send(1.0, b'abcd')
     cable.send(1.001, b'efg')
@@ -36,8 +36,8 @@ def test_bytes_leave_back_to_back():
     assert arrivals(cable, 2.0) == [(1.004, b'abcd'), (1.007, b'efg'), (1.501, b'h')]
 
 
-def test_a_look_in_between_finds_part_of_a_frame():
-    """As many bytes as have arrived."""
+def test_a_partial_frame():
+    """The bytes that have arrived are returned."""
     cable = Cable(BAUD_RATE)
     cable.send(1.0, b'abcd')
     assert cable.take(1.0025) == b'ab'
@@ -46,8 +46,8 @@ def test_a_look_in_between_finds_part_of_a_frame():
     assert cable.take(9.0) == b'd'
 
 
-def test_a_latency_timer_hands_over_in_bursts():
-    """Every 16 ms what has arrived by then, cut in the middle of a frame."""
+def test_a_latency_timer_delivers_bursts():
+    """Every 16 ms the bytes so far arrive, even in the middle of a frame."""
     cable = Cable(BAUD_RATE, 0.016)
     cable.send(0.010, b'0123456789')
     cable.send(0.021, b'abcdefghij')
@@ -55,7 +55,7 @@ def test_a_latency_timer_hands_over_in_bursts():
 
 
 def test_full_packets_come_together():
-    """Eight at a time; the rest when nothing has come for a while."""
+    """Eight packets arrive at a time, the rest when the line is idle."""
     cable = Cable(BAUD_RATE, PACKETS)
     cable.send(0.0, bytes(400))
     cable.send(0.4, bytes(400))
@@ -63,8 +63,8 @@ def test_full_packets_come_together():
         (0.496, PACKET_BURST), (0.816, 800 - PACKET_BURST)]
 
 
-def test_a_late_look_finds_all_bursts():
-    """A host that slept misses nothing."""
+def test_a_late_read_gets_all_bursts():
+    """A late reader gets all bytes."""
     for mode in (AT_ONCE, PACKETS, 0.016):
         cable = Cable(BAUD_RATE, mode)
         cable.send(0.0, bytes(2000))
@@ -72,7 +72,7 @@ def test_a_late_look_finds_all_bursts():
 
 
 def test_the_mode_can_change_while_it_runs():
-    """What is held back comes at once."""
+    """Bytes that were held back arrive at once."""
     cable = Cable(BAUD_RATE, 0.255)
     cable.send(0.0, b'abc')
     assert cable.take(0.2) == b''
@@ -80,8 +80,8 @@ def test_the_mode_can_change_while_it_runs():
     assert cable.take(0.2) == b'abc'
 
 
-def test_pulling_the_plug_loses_what_has_not_arrived():
-    """And what comes later does not wait for it."""
+def test_unplugging_loses_bytes_on_the_line():
+    """Later bytes do not wait for lost ones."""
     cable = Cable(BAUD_RATE)
     cable.send(0.0, b'abcd')
     cable.send(0.0, b'efgh')
@@ -91,8 +91,8 @@ def test_pulling_the_plug_loses_what_has_not_arrived():
     assert arrivals(cable, 9.0) == [(0.004, b'abcd'), (0.006, b'ef'), (0.102, b'mn')]
 
 
-def test_the_bytes_are_the_same_however_they_come():
-    """Only their time differs."""
+def test_modes_change_only_times():
+    """Only the times differ."""
     streams = set()
     for mode in (AT_ONCE, PACKETS, 0.001, 0.016):
         cable = Cable(115200, mode)
@@ -105,12 +105,12 @@ def test_the_bytes_are_the_same_however_they_come():
 @pytest.mark.parametrize(('text', 'mode'), [
     ('none', AT_ONCE), ('packets', PACKETS), ('16', 0.016), ('1', 0.001)])
 def test_a_text_becomes_a_mode(text, mode):
-    """Milliseconds, or a name."""
+    """The text has milliseconds or a name."""
     assert adapter_mode(text) == mode
 
 
 @pytest.mark.parametrize('text', ['0', '-1', '256', 'much', ''])
-def test_a_wrong_text_is_refused_with_a_reason(text):
-    """In one sentence that says what is valid."""
+def test_an_invalid_text_is_rejected(text):
+    """The error is one sentence that lists valid values."""
     with pytest.raises(ValueError, match='from 1 to 255'):
         adapter_mode(text)

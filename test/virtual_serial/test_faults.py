@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a bad cable does, counted."""
+"""Tests of transmission faults."""
 
 from bahrs_driver.virtual_serial.faults import Faults, NAMES, parse_fault
 import pytest
@@ -10,19 +10,19 @@ FRAMES = 5000
 
 
 def results(seed=1, **rates):
-    """Return the counts of faults, and what became of many equal frames."""
+    """Return the counts of faults and the results for many equal frames."""
     faults = Faults(seed, {name.rstrip('_'): rate for name, rate in rates.items()})
     return faults.counts, [faults.apply(FRAME) for _ in range(FRAMES)]
 
 
 def test_without_faults_everything_arrives():
-    """Unchanged, and nothing is counted."""
+    """Frames are unchanged, and no fault is counted."""
     counts, frames = results()
     assert frames == [FRAME] * FRAMES and not counts
 
 
 def test_every_bit_flip_is_counted():
-    """Each inverts one bit, at the rate asked for."""
+    """Each flip inverts one bit, at the requested rate."""
     counts, frames = results(bit_flip=1e-3)
     flipped = sum(bin(a ^ b).count('1') for frame in frames for a, b in zip(frame, FRAME))
     assert all(len(frame) == len(FRAME) for frame in frames)
@@ -32,7 +32,7 @@ def test_every_bit_flip_is_counted():
 @pytest.mark.parametrize(('name', 'change'), [
     ('drop_byte', -1), ('repeat_byte', 1), ('insert_byte', 1)])
 def test_every_byte_too_few_or_too_many_is_counted(name, change):
-    """And what is around it stays as it was."""
+    """The other bytes do not change."""
     counts, frames = results(**{name: 1e-3})
     assert sum(len(frame) - len(FRAME) for frame in frames) == change * counts[name]
     assert counts[name] == pytest.approx(200, abs=60)
@@ -45,14 +45,14 @@ def test_every_byte_too_few_or_too_many_is_counted(name, change):
 
 
 def test_a_repeated_byte_stands_beside_itself():
-    """Byte 0 in an otherwise whole frame, when every byte is repeated."""
+    """With every byte repeated, each byte stands twice."""
     _, frames = results(repeat_byte=1.0)
     assert frames[0] == bytes(byte for byte in FRAME for _ in range(2))
 
 
 @pytest.mark.parametrize('rate', [0.01, 0.2])
 def test_every_break_is_counted(rate):
-    """The frame is cut somewhere inside, and its rest never comes."""
+    """The frame is truncated at a random byte."""
     counts, frames = results(break_=rate)
     cut = [frame for frame in frames if frame != FRAME]
     assert len(cut) == counts['break'] == pytest.approx(rate * FRAMES, rel=0.4)
@@ -61,13 +61,13 @@ def test_every_break_is_counted(rate):
 
 @pytest.mark.parametrize('rate', [0.01, 1.0])
 def test_every_lost_frame_is_counted(rate):
-    """It leaves no byte."""
+    """No byte of the frame remains."""
     counts, frames = results(drop_frame=rate)
     assert frames.count(b'') == counts['drop_frame'] == pytest.approx(rate * FRAMES, rel=0.4)
 
 
 def test_the_seed_decides():
-    """And the rate of one fault does not move another."""
+    """The rate of one fault does not move another fault."""
     rates = {'bit_flip': 1e-3, 'drop_frame': 1e-2}
     assert results(1, **rates) == results(1, **rates)
     assert results(1, **rates) != results(2, **rates)
@@ -77,7 +77,7 @@ def test_the_seed_decides():
 
 
 def test_rates_can_change_while_it_runs():
-    """From one frame to the next."""
+    """A new rate holds from the next frame on."""
     faults = Faults(1)
     assert faults.apply(FRAME) == FRAME
     faults.set_rate('drop_frame', 1.0)
@@ -86,8 +86,8 @@ def test_rates_can_change_while_it_runs():
     assert faults.apply(FRAME) == FRAME
 
 
-def test_all_faults_at_once_harm_nobody():
-    """Even a single byte, even always."""
+def test_all_faults_at_once():
+    """This holds for single bytes and for rates of 1."""
     faults = Faults(1, dict.fromkeys(set(NAMES) - {'drop_frame'}, 1.0))
     for frame in (b'', b'N', FRAME):
         assert len(faults.apply(frame)) <= 3 * len(frame)
@@ -96,12 +96,12 @@ def test_all_faults_at_once_harm_nobody():
 @pytest.mark.parametrize(('text', 'says'), [
     ('rust=0.1', "no fault 'rust', only bit_flip"), ('bit_flip', "rate of bit_flip is ''"),
     ('bit_flip=2', 'from 0 to 1'), ('bit_flip=-1', 'from 0 to 1'), ('bit_flip=x', "'x'")])
-def test_a_wrong_text_is_refused_with_a_reason(text, says):
-    """In one sentence."""
+def test_an_invalid_text_is_rejected(text, says):
+    """The error is one sentence."""
     with pytest.raises(ValueError, match=says):
         parse_fault(text)
 
 
 def test_a_text_becomes_name_and_rate():
-    """As on the command line."""
+    """The form is that of the command line."""
     assert parse_fault('bit_flip=0.001') == ('bit_flip', 0.001)

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The device's end of a pseudo-terminal."""
+"""Tests of the device's end of a pseudo-terminal."""
 
 import contextlib
 import os
@@ -28,7 +28,7 @@ def opened(path):
 
 
 def test_bytes_go_both_ways_unchanged():
-    """Control characters too."""
+    """Control characters pass, too."""
     everything = bytes(range(256))
     with PtyPort() as port, opened(port.path) as far:
         port.write(everything)
@@ -38,8 +38,8 @@ def test_bytes_go_both_ways_unchanged():
         assert port.read() == b''
 
 
-def test_it_knows_whether_somebody_is_there():
-    """Before, during and after."""
+def test_is_open():
+    """The state is right before, while and after the port is open."""
     with PtyPort() as port:
         assert not port.is_open and not port.wait_until_open(0.05)
         assert port.read() == b''
@@ -52,8 +52,8 @@ def test_it_knows_whether_somebody_is_there():
         assert not port.is_open and port.read() == b''
 
 
-def test_it_waits_for_somebody():
-    """Who comes from another thread."""
+def test_waits_until_open():
+    """The reader opens the port from another thread."""
     with PtyPort() as port, contextlib.ExitStack() as stack:
         timer = threading.Timer(0.05, lambda: stack.enter_context(opened(port.path)))
         timer.start()
@@ -62,14 +62,14 @@ def test_it_waits_for_somebody():
 
 
 def take(descriptor, count):
-    """Read so many bytes, however the system hands them over."""
+    """Read a number of bytes in any pieces."""
     while count:
         assert select.select([descriptor], [], [], 60.0)[0]
         count -= len(os.read(descriptor, count))
 
 
-def test_it_waits_until_all_is_read():
-    """Or until nobody is there who could."""
+def test_waits_until_read():
+    """Waiting also ends when the reader closes the port."""
     with PtyPort() as port:
         assert port.wait_until_read(0.0)
         with opened(port.path) as far:
@@ -112,15 +112,15 @@ with PtyPort() as port:
 """
 
 
-def test_a_reader_that_nobody_may_watch_is_given_time():
-    """An ordinary user cannot look at what a port holds that is open for one program alone."""
+def test_a_locked_port_gets_a_fixed_time():
+    """An ordinary user cannot query a locked port."""
     done = subprocess.run([sys.executable, '-c', EXCLUSIVE], capture_output=True, text=True,
                           check=True)
     assert done.stdout.split()[:2] == ['99', 'True']
 
 
-def test_a_reader_who_does_not_read_stops_nobody_who_will_not_wait():
-    """It is told how much went; the rest is lost, as on a real line."""
+def test_a_write_that_must_not_block():
+    """The count of written bytes is returned; the rest is lost, as on a real line."""
     with PtyPort() as port, opened(port.path) as far:
         taken = sum(port.write_at_once(bytes(1024)) for _ in range(1000))
         assert 0 < taken < 1_024_000
@@ -132,7 +132,7 @@ def test_a_reader_who_does_not_read_stops_nobody_who_will_not_wait():
 
 
 def test_unplugged_and_plugged_in_again_under_the_same_link(tmp_path):
-    """Who has it open sees it hang up; the link leads to the new one."""
+    """A reader sees a hang-up; the link leads to the new port."""
     link = tmp_path / 'port'
     with PtyPort(str(link)) as port, opened(link) as far:
         assert port.name == str(link) and os.readlink(link) == port.path
@@ -147,16 +147,16 @@ def test_unplugged_and_plugged_in_again_under_the_same_link(tmp_path):
     assert not os.path.lexists(link)
 
 
-def test_closing_twice_does_no_harm():
-    """The second time nothing happens."""
+def test_closing_twice():
+    """The second call does nothing."""
     port = PtyPort()
     port.close()
     port.close()
 
 
 @pytest.mark.parametrize('kind', EVERY_KIND)
-def test_what_is_no_link_of_an_emulator_is_left_alone(tmp_path, kind):
-    """Neither a file nor a link of the user is replaced, wherever it leads."""
+def test_foreign_files_are_not_replaced(tmp_path, kind):
+    """Neither a file nor a foreign link is replaced."""
     path = tmp_path / 'port'
     EVERY_KIND[kind](path)
     before = snapshot(tmp_path)
@@ -166,8 +166,8 @@ def test_what_is_no_link_of_an_emulator_is_left_alone(tmp_path, kind):
 
 
 @pytest.mark.parametrize('kind', sorted(set(IMPOSSIBLE) - {'trailing slash'}))
-def test_where_no_link_can_be_made(tmp_path, kind, monkeypatch):
-    """A sentence names the path, and no descriptor is left open."""
+def test_a_link_that_cannot_be_created(tmp_path, kind, monkeypatch):
+    """The error names the path, and no descriptor stays open."""
     monkeypatch.chdir(tmp_path)
     Path('file').touch()
     before = len(os.listdir('/proc/self/fd'))
@@ -176,8 +176,8 @@ def test_where_no_link_can_be_made(tmp_path, kind, monkeypatch):
     assert len(os.listdir('/proc/self/fd')) == before
 
 
-def test_the_link_of_an_emulator_that_was_killed_is_replaced(tmp_path):
-    """Its port is gone; that of one that still runs is not taken away."""
+def test_the_link_of_a_killed_emulator_is_replaced(tmp_path):
+    """The link of a running emulator is not replaced."""
     link = tmp_path / 'port'
     link.symlink_to('/dev/pts/99999')
     with PtyPort(str(link)) as port:
@@ -187,8 +187,8 @@ def test_the_link_of_an_emulator_that_was_killed_is_replaced(tmp_path):
         assert os.readlink(link) == port.path
 
 
-def test_a_link_that_leads_elsewhere_by_now_stays(tmp_path):
-    """It belongs to whoever made it later."""
+def test_a_link_that_leads_elsewhere_stays(tmp_path):
+    """Another program created it later."""
     link = tmp_path / 'port'
     with PtyPort(str(link)) as first:
         link.unlink()

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The emulated BAHRS as a whole: its bytes, its truth, its power switch."""
+"""Tests of the emulated BAHRS: bytes, ground truth, power switch."""
 
 import math
 from types import SimpleNamespace
@@ -43,7 +43,7 @@ def data_of(sent):
 
 
 def errors(emission, message):
-    """Return how far each value of a message is from the truth, in quanta."""
+    """Return the error of each value of a message in quanta."""
     for name, quantum in QUANTA.items():
         if name not in emission.truth:
             continue
@@ -57,8 +57,8 @@ def errors(emission, message):
 
 @pytest.mark.parametrize('crc', ['word', 'byte'])
 @pytest.mark.parametrize('version', [1, 2, 3])
-def test_every_frame_tells_the_truth(version, crc):
-    """Over the whole flight, in every version, every value is within half a quantum of it."""
+def test_frames_agree_with_truth(version, crc):
+    """Over the whole flight and in every version, each error is at most half a quantum."""
     motion = fast_flight()
     sent = emissions(make_device(motion, version=version, crc=crc), motion.duration)
     messages = decoded(data_of(sent))
@@ -72,7 +72,7 @@ def test_every_frame_tells_the_truth(version, crc):
 
 
 def test_the_truth_of_a_frame_names_it():
-    """Counter and device time, for data that carry no time of their own too."""
+    """The truth has counter and device time, even of messages without a time."""
     sent = emissions(make_device(), 2.0)
     inertial = [emission for emission in sent if emission.name == 'inertial']
     assert [emission.truth['sequence'] for emission in inertial[:300]] == [
@@ -82,8 +82,8 @@ def test_the_truth_of_a_frame_names_it():
     assert [emission.time for emission in inertial[:3]] == pytest.approx([0.6, 0.605, 0.61])
 
 
-def test_versions_are_told_once_after_power_on():
-    """Software in all versions, hardware from version 3 on."""
+def test_versions_are_sent_once_after_power_on():
+    """All versions send the software version, version 3 the hardware version, too."""
     assert decoded(data_of(emissions(make_device(version=3), 1.0)))[:2] == [SOFTWARE, HARDWARE]
     older = decoded(data_of(emissions(make_device(version=2), 9.0)))
     assert older[0] == SOFTWARE
@@ -102,8 +102,8 @@ def test_the_recorded_start_up():
         (0, 0), (11, 5_381_414)]
 
 
-def test_a_power_cycle_starts_anew():
-    """Version message, counters at zero, device time back; the vehicle flies on."""
+def test_a_power_cycle_restarts_the_device():
+    """Versions are sent, counters and device time restart; the vehicle continues."""
     device = make_device(fast_flight())
     emissions(device, 10.0)
     device.power_cycle(10.001)
@@ -118,7 +118,7 @@ def test_a_power_cycle_starts_anew():
 
 
 def test_sync_pulses_carry_their_own_time():
-    """Device time at the pulse, not at the sample after it; and true time in the truth."""
+    """The message has the device time of the pulse, not of the next sample."""
     sent = [emission for emission in emissions(make_device(drift_ppm=100.0, pulse_rate=1.0), 60.0)
             if emission.name == 'sync_pulse_time']
     messages = decoded(data_of(sent))
@@ -129,8 +129,8 @@ def test_sync_pulses_carry_their_own_time():
     assert [message.sequence for message in messages] == list(range(59))
 
 
-def test_debug_frames_are_of_types_that_nobody_knows():
-    """And cost no neighbour."""
+def test_debug_frames_have_unknown_types():
+    """The frames around them stay intact."""
     sent = emissions(make_device(debug_rate=10.0), 4.999)
     framer = Framer(BahrsFormat())
     frames = framer.feed(data_of(sent)) + framer.flush()
@@ -140,14 +140,14 @@ def test_debug_frames_are_of_types_that_nobody_knows():
 
 
 def test_the_output_can_come_late():
-    """A constant delay between the sample and its frame."""
+    """The delay between a sample and its frame is constant."""
     sent = emissions(make_device(output_delay=0.002), 1.0)
     assert len(sent) > 100
     assert all(emission.ready == pytest.approx(emission.time + 0.002) for emission in sent)
 
 
 def test_noise_is_the_only_error():
-    """And it is as large as asked for."""
+    """The noise has the requested standard deviation."""
     sent = emissions(make_device(errors=MeasurementErrors(1, DEVIATIONS)), 30.0)
     inertial = [emission for emission in sent if emission.name == 'inertial']
     messages = decoded(data_of(inertial))
@@ -157,7 +157,7 @@ def test_noise_is_the_only_error():
 
 
 def test_the_same_seed_gives_the_same_bytes():
-    """With everything random in use; another seed gives others."""
+    """This includes everything random; another seed gives other bytes."""
     def stream(seed):
         device = make_device(fast_flight(), seed, MeasurementErrors(seed, DEVIATIONS),
                              wander_ppm=1.0,

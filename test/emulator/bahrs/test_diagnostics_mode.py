@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Diagnostics mode in all its variants, with a small host that speaks one of them."""
+"""Tests of diagnostics mode in all variants."""
 
 from dataclasses import dataclass, field
 import itertools
@@ -27,7 +27,7 @@ ENTERED, LEFT = Acknowledgement(0xF0, 0), Acknowledgement(0xF1, 0)
 
 @dataclass
 class Host:
-    """Asks a device and hears what it says meanwhile."""
+    """A host that sends requests and collects the stream."""
 
     device: object
     checksum: str = 'crc32'
@@ -44,7 +44,7 @@ class Host:
             for emission in self.device.receive(bytes([byte]), time)))
 
     def stream(self, until):
-        """Return what the device says by itself."""
+        """Return the messages of the stream."""
         return decoded(b''.join(emission.data for emission in emissions(self.device, until)))
 
 
@@ -56,7 +56,7 @@ def host(checksum='crc32', padded=False, **behavior):
 
 @pytest.mark.parametrize(('checksum', 'padded'), VARIANTS)
 def test_a_whole_dump_equals_the_image(checksum, padded):
-    """Enter, 250 pages, exit; the stream is silent meanwhile and back afterwards."""
+    """Enter, 250 pages, exit: the stream pauses, and resumes afterwards."""
     image = bytes(index * 7 % 251 for index in range(SIZE))
     asked = host(checksum, padded, image=image)
     assert asked.stream(1.0)
@@ -72,8 +72,8 @@ def test_a_whole_dump_equals_the_image(checksum, padded):
 
 
 @pytest.mark.parametrize(('checksum', 'padded'), VARIANTS)
-def test_a_device_takes_no_notice_of_another_variant(checksum, padded):
-    """Neither of another checksum nor of other padding."""
+def test_other_variants_are_ignored(checksum, padded):
+    """Neither another checksum nor another padding is accepted."""
     asked = host(checksum, padded)
     for other in VARIANTS:
         asked.checksum, asked.padded = other
@@ -82,7 +82,7 @@ def test_a_device_takes_no_notice_of_another_variant(checksum, padded):
 
 
 def test_answers_come_in_the_variant_of_the_device():
-    """Unpadded, with its checksum."""
+    """Answers are unpadded and have the checksum of the device."""
     for checksum in ('crc32', 'byte'):
         asked = host(checksum)
         request = asked.codec.encode(EnterDiagnostics(), 3, checksum)
@@ -92,7 +92,7 @@ def test_answers_come_in_the_variant_of_the_device():
 
 
 def test_five_seconds_without_a_request_end_it():
-    """Each request puts the end off."""
+    """Each request restarts the time-out."""
     asked = host()
     asked.ask(EnterDiagnostics(), 1.0)
     assert asked.stream(5.9) == []
@@ -104,8 +104,8 @@ def test_five_seconds_without_a_request_end_it():
 
 @pytest.mark.parametrize(('time', 'let_in'), [(0.05, True), (0.5, True), (0.55, False),
                                               (20.0, False)])
-def test_known_firmware_lets_in_after_power_on_only(time, let_in):
-    """For half a second; a power cycle opens the window again."""
+def test_known_firmware_enters_after_power_on_only(time, let_in):
+    """The window lasts half a second; a power cycle opens it again."""
     asked = host(window='power-on')
     assert bool(asked.ask(EnterDiagnostics(), time)) == let_in
     asked.device.power_cycle(time + 1.0)
@@ -113,7 +113,7 @@ def test_known_firmware_lets_in_after_power_on_only(time, let_in):
 
 
 def test_pages_that_cannot_be_read_are_refused():
-    """Those chosen, and those that do not exist; the others are read."""
+    """Chosen pages and pages that do not exist fail; the others are read."""
     asked = host(error_pages=frozenset({3, 17}))
     asked.ask(EnterDiagnostics(), 1.0)
     for page in (3, 17, 250, 255):
@@ -121,8 +121,8 @@ def test_pages_that_cannot_be_read_are_refused():
     assert asked.ask(NvmReadRequest(4), 1.1) == [NvmPage(4, made_up_image()[128:160])]
 
 
-def test_outside_the_mode_only_entering_is_heard():
-    """Reading and leaving are not."""
+def test_outside_the_mode_only_entering_is_accepted():
+    """Requests to read and to leave are ignored."""
     asked = host()
     assert asked.ask(NvmReadRequest(0), 1.0) == []
     assert asked.ask(ExitDiagnostics(), 1.0) == []
@@ -130,14 +130,14 @@ def test_outside_the_mode_only_entering_is_heard():
 
 
 def test_entering_twice_is_acknowledged_twice():
-    """Even when the window has closed meanwhile."""
+    """The second request is acknowledged after the window has closed, too."""
     asked = host(window='power-on')
     assert asked.ask(EnterDiagnostics(), 0.3) == [ENTERED]
     assert asked.ask(EnterDiagnostics(), 1.3) == [ENTERED]
 
 
 def test_a_power_cycle_ends_it():
-    """The device streams again, and has forgotten what it was asked."""
+    """The device streams again and ignores earlier requests."""
     asked = host()
     asked.ask(EnterDiagnostics(), 1.0)
     asked.device.power_cycle(1.5)
@@ -145,7 +145,7 @@ def test_a_power_cycle_ends_it():
 
 
 def test_counters_go_on_after_it_and_so_does_the_clock():
-    """No counter is lost, and device time shows how long it took."""
+    """Counters continue without a gap, and device time includes the pause."""
     asked = host()
     before = [message for message in asked.stream(1.0) if isinstance(message, Inertial)]
     asked.ask(EnterDiagnostics(), 1.0)
@@ -156,13 +156,13 @@ def test_counters_go_on_after_it_and_so_does_the_clock():
 
 
 def test_noise_on_the_line_is_no_request():
-    """Whatever comes, nothing is answered and nothing breaks."""
+    """Random bytes cause no answer and no error."""
     device = make_device()
     assert device.receive(bytes(range(256)) * 40 + b'NE\x03\x00\xf0', 1.0) == []
 
 
-def test_the_made_up_image_is_of_the_real_format():
-    """Version 1.1, every checksum right."""
+def test_the_invented_image_has_the_real_format():
+    """The image has version 1.1, and every checksum is right."""
     image = made_up_image()
     assert len(image) == SIZE == 8000
     assert struct.unpack_from('<2I', image) == (1, 1)

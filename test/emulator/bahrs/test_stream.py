@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What an emulated BAHRS says, and in which order: as the recording of a real one shows."""
+"""Tests of the messages of an emulated BAHRS, compared with the recording of a real one."""
 
 from itertools import islice
 import math
@@ -56,12 +56,12 @@ def types_in(data):
 
 @pytest.mark.parametrize('version', [1, 2, 3])
 def test_order_and_mix(version):
-    """Twenty samples make a tenth of a second of the recording's pattern."""
+    """Twenty samples have the recording's pattern of a tenth of a second."""
     assert types(messages_of(60, version)) == TENTH * 3
 
 
 def test_order_and_mix_are_those_of_the_recording():
-    """After the version message, the emulator's bytes have the types of the real device's."""
+    """After the version message, the types are those of the real device."""
     real = types_in(shared_file('data/bahrs_recording_v2.bin').read_bytes())
     _, data = on_the_wire(make_emulation(make_device(version=2)), 241.0)
     ours = types_in(data).removeprefix('F')
@@ -70,7 +70,7 @@ def test_order_and_mix_are_those_of_the_recording():
 
 
 def test_data_and_time_messages_count_for_themselves():
-    """Each kind from 0, modulo 256."""
+    """Each kind counts from 0, modulo 256."""
     messages = messages_of(20 * 260)
     for kind in (Inertial, Navigation, Accuracy, InertialTime, NavigationTime):
         counters = [message.sequence for message in of(kind, messages)]
@@ -80,7 +80,7 @@ def test_data_and_time_messages_count_for_themselves():
 
 @pytest.mark.parametrize(('label', 'ahead'), [('next', 1), ('same', 0)])
 def test_a_time_message_names_the_next_sample_or_the_same(label, ahead):
-    """With the device time of the one that was just sent."""
+    """The device time is that of the latest sample."""
     messages = messages_of(1000, time_label=label)
     inertial, navigation = of(InertialTime, messages), of(NavigationTime, messages)[1:]
     assert [(time.reference_sequence, time.device_time_us) for time in inertial] == [
@@ -90,14 +90,14 @@ def test_a_time_message_names_the_next_sample_or_the_same(label, ahead):
 
 
 def test_accuracy_has_the_time_of_the_navigation_message_before_it():
-    """As the time message beside it."""
+    """The time message next to it has the same time."""
     messages = messages_of(100)
     assert [message.device_time_us for message in of(Accuracy, messages)] == [
         message.device_time_us for message in of(NavigationTime, messages)]
 
 
 def test_the_beginning_is_that_of_the_recording():
-    """Eight navigation messages without a signal; accuracy and navigation time all zero."""
+    """Eight navigation messages have no signal; accuracy and navigation time are zero."""
     messages = messages_of(40)
     navigation = of(Navigation, messages)
     for message in navigation[:UNALIGNED]:
@@ -110,7 +110,7 @@ def test_the_beginning_is_that_of_the_recording():
 
 
 def test_accuracy_improves():
-    """From 0.09 rad after power-on, as in the recording, to half a degree and less."""
+    """The deviation falls from 0.09 rad after power-on, as recorded, to half a degree and less."""
     accuracies = of(Accuracy, messages_of(20 * 600))[1:]
     assert accuracies[0].north_std == pytest.approx(0.091)
     assert accuracies[-1].north_std == pytest.approx(0.005)
@@ -120,7 +120,7 @@ def test_accuracy_improves():
 @pytest.mark.parametrize('signal', SIGNALS)
 @pytest.mark.parametrize('integrity', [RISK, UNAVAILABLE, Integrity.RESERVED])
 def test_each_signal_can_be_put_in_each_state(signal, integrity):
-    """At once, alone, and back; the value of an unavailable one is raw zero."""
+    """States change at once, one by one, and back; an unavailable signal has a raw zero."""
     stream = BahrsStream(3, 'next', MeasurementErrors(1))
     messages_of(40, stream=stream)
     stream.set_integrity((signal,), integrity)
@@ -142,8 +142,8 @@ def value_of(message, signal):
     return getattr(message, signal[:-2])['xyz'.index(signal[-1])]
 
 
-def test_what_is_too_much_is_cut_off_as_a_converter_does():
-    """Values stand at the end of their range and still fit their fields."""
+def test_large_values_are_limited():
+    """Values are limited to the range of their fields."""
     biases = {'specific_force': (1e3, -1e3, 0.0), 'angular_rate': (99.0, -99.0, 0.0),
               'pressure_height': (1e5,), 'velocity_down': (-1e5,)}
     messages = messages_of(40, errors=MeasurementErrors(1, {}, biases))
@@ -157,15 +157,15 @@ def test_what_is_too_much_is_cut_off_as_a_converter_does():
 @pytest.mark.parametrize(('version', 'degrees', 'expected'), [
     (3, 359.9999, 359.9999), (3, 180.0, 180.0), (2, 270.0, 270.0), (1, 90.0, 90.0),
     (1, 270.0, -90.0), (1, 180.0, 179.997), (1, 181.0, -179.0)])
-def test_heading_is_where_the_version_wants_it(version, degrees, expected):
-    """Version 1 has it from -180 to 180 degrees, the others from 0 to 360."""
+def test_the_range_of_the_heading_depends_on_the_version(version, degrees, expected):
+    """Version 1 sends -180 to 180 degrees, the others 0 to 360."""
     truth = Still(heading=degrees).at(0.0)
     message = of(Navigation, messages_of(40, version, truth=truth))[-1]
     assert math.degrees(message.magnetic_heading) == pytest.approx(expected, abs=0.003)
 
 
-def test_a_restart_begins_anew():
-    """Counters at 0, no alignment; the integrity that was commanded stays."""
+def test_a_restart():
+    """Counters are 0 and alignment is lost; the commanded integrity stays."""
     stream = BahrsStream(3, 'next', MeasurementErrors(1))
     first = messages_of(100, stream=stream)
     stream.set_integrity(('roll',), RISK)
