@@ -113,7 +113,7 @@ class Watch:
             return 'unreadable' if self.stats[topic].data else ''
         if topic == 'imu/data':
             return attitude_text(self._pitch_up(attitude(message)))
-        return printable(self._formats[topic](message))
+        return printable(self._formats.get(topic, str)(message))
 
     def recent_message(self, topic: str) -> Any:
         """Return the latest message of a topic; None if it is older than DATA_TIMEOUT."""

@@ -107,6 +107,8 @@ def test_node(tmp_path):
             assert says(ear, 'Framing', DiagnosticStatus.OK, 'All frames intact')
             assert wait_for(lambda: status(ear, 'Rates').level == DiagnosticStatus.OK)
             assert ear.wait('raw')[0].layout.dim[0].label.startswith('sensor=rangefinder ')
+            shown = json.loads(run('monitor', '--duration', '5', '--json'))
+            assert shown['topics']['range']['latest'].startswith('std_msgs.msg.Float64(data=')
 
 
 def test_the_guide_quotes_the_module():
