@@ -27,8 +27,8 @@ class ExchangeClock(Clock):
     """
     Stamps answers with the middle of request and answer.
 
-    The `asked` of a message is when it was requested (CLOCK_MONOTONIC_RAW, ns); if that is None,
-    the stamp is the arrival. A message that is not `wanted` is not put in the order of time.
+    A message is stamped by its `requested_at` (CLOCK_MONOTONIC_RAW, ns); if that is None, the
+    stamp is the arrival. A message that was not `expected` is not put in the order of time.
     """
 
     def __init__(self, request_size: int, fixed_latency: int = 0) -> None:
@@ -73,14 +73,14 @@ class ExchangeClock(Clock):
             median_chunk=self._reads.median_chunk)
 
     def _stamp_of(self, message: Any, frame: Frame) -> int:
-        latest, asked = self._reads.bounds.bound(frame.offset), message.asked
-        if not message.wanted:
+        latest, requested_at = self._reads.bounds.bound(frame.offset), message.requested_at
+        if not message.expected:
             return self._slewer.to_ros_time(latest)
-        if asked is None:
+        if requested_at is None:
             self._arrivals += 1
             return self._slewer.stamp_arrival(latest)
-        earliest = asked + self._request_time
+        earliest = requested_at + self._request_time
         if latest < earliest:       # the line is faster than its baud rate
-            earliest, latest = asked, self._reads.now.raw_ns
+            earliest, latest = requested_at, self._reads.now.raw_ns
         self._halves.append((latest - earliest) // 2)
         return self._slewer.stamp_arrival((earliest + latest) // 2)

@@ -6,7 +6,9 @@ The loop that writes requests to a port that another thread reads.
 A pure scheduler decides what to send and when: a Poller, or an NvmSession. One thread sleeps until
 a request is due, and writes it. The thread that reads the port shares the scheduler: it hands in
 answers under `lock`, and then calls send_due(), because an answer usually makes a request due.
-Nothing is written, and no callback runs, while the lock is held.
+To wake the other thread instead cost 8 to 23 % of the rate of a device polled at 921,600 baud,
+because that thread waits until the reading thread releases the interpreter. Nothing is written,
+and no callback runs, while the lock is held.
 """
 
 import threading

@@ -19,10 +19,10 @@ def begun(latency=0):
     return clock
 
 
-def stamp(clock, asked, time, offset, size, offset_ros=ROS, wanted=True):
+def stamp(clock, requested_at, time, offset, size, offset_ros=ROS, expected=True):
     """Return the stamp of a frame that a read completed."""
     clock.observe_read(Instant(time, time + offset_ros), offset + size)
-    message = SimpleNamespace(asked=asked, wanted=wanted)
+    message = SimpleNamespace(requested_at=requested_at, expected=expected)
     (_, _, stamped), = clock.stamp([(message, Frame(offset, bytes(size), 'big'))])
     return stamped - offset_ros
 
@@ -58,7 +58,7 @@ def test_without_a_request_it_is_the_arrival():
 def test_an_unwanted_answer_does_not_delay_the_others():
     """A late answer has a later stamp than an answer requested before it arrived."""
     clock = begun()
-    assert stamp(clock, None, 17 * MS, 0, 50, wanted=False) == 12 * MS
+    assert stamp(clock, None, 17 * MS, 0, 50, expected=False) == 12 * MS
     assert stamp(clock, 10 * MS, 17_800 * US, 50, 50) == 11_800 * US
     assert clock.state().arrival_stamps == 0
 

@@ -54,8 +54,8 @@ class _RecordingDecoder(TitanDecoder):
     def decode(self, frame: Frame, now: int) -> Answer:
         """Record the time of the request."""
         answer = super().decode(frame, now)
-        if answer.asked is not None:
-            self._requested[frame.offset] = answer.asked
+        if answer.requested_at is not None:
+            self._requested[frame.offset] = answer.requested_at
         return answer
 
 
@@ -108,7 +108,7 @@ class PolledDevice:
         events = self.pipeline.feed(data, Instant(time, time))
         for event in events:
             assert isinstance(event, Stamped), event
-            if isinstance(event.message, TitanAnswer) or not event.message.wanted:
+            if isinstance(event.message, TitanAnswer) or not event.message.expected:
                 self.received.append((self.now, event))
 
     def _ask(self) -> None:

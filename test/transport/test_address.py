@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what the text of a port means; whatever it is, opening it fails in one sentence."""
+"""Tests of parsing a port; opening any text fails with one sentence."""
 
 import os
 
@@ -24,14 +24,14 @@ BAUD = 115200
     ('rfc2217://10.0.0.1:4001?timeout=3&ign_set_control', 'rfc2217', '10.0.0.1', 4001),
     ('loop://', 'loop', '', 0),
 ])
-def test_what_is_understood(text, scheme, host, port):
-    """Paths and the URLs that are supported."""
+def test_paths_and_supported_urls(text, scheme, host, port):
+    """They are parsed into scheme, host and port."""
     address = parse_address(text)
     assert (address.scheme, address.host, address.port) == (scheme, host, port)
 
 
 def test_a_search_for_a_device():
-    """A regular expression, and which of the devices that match."""
+    """By a regular expression, and a number among the devices that match."""
     address = parse_address('hwgrep://0403:6001&n=2')
     assert address.pattern.search('USB VID:PID=0403:6001') and address.number == 2
     assert parse_address('hwgrep://FTDI').number == 1
@@ -65,8 +65,8 @@ def test_a_search_for_a_device():
     ('hwgrep://FTDI&n=0', "'n=0' is not supported"),
     ('loop://?logging=debug', 'takes no host and no options'),
 ])
-def test_what_can_never_be_opened(text, words):
-    """The sentence says what would be right."""
+def test_ports_that_can_never_be_opened(text, words):
+    """The error says what is valid."""
     with pytest.raises(ValueError) as caught:
         Link(text, BAUD)
     assert words in str(caught.value) and '\n' not in str(caught.value)
@@ -74,13 +74,13 @@ def test_what_can_never_be_opened(text, words):
 
 @pytest.mark.parametrize('baud_rate', [0, -1, 2 ** 31, 2 ** 70, 9600.0, True, '9600', None])
 def test_baud_rates_that_no_port_has(baud_rate):
-    """They are the caller's mistake."""
+    """They are a mistake of the caller."""
     with pytest.raises(ValueError, match='baud rate .* is not possible'):
         Link('/dev/ttyUSB0', baud_rate)
 
 
 def test_no_other_url_touches_a_file(tmp_path):
-    """Pyserial's spy:// would overwrite it as soon as the link is made."""
+    """The spy:// of pyserial would overwrite it when the link is created."""
     file = tmp_path / 'precious'
     file.write_text('data')
     for url in (f'spy:///dev/null?file={file}', f'spy://loop://?file={file}',
@@ -91,8 +91,8 @@ def test_no_other_url_touches_a_file(tmp_path):
     assert file.read_text() == 'data'
 
 
-def test_pyserial_has_no_scheme_that_nobody_thought_of():
-    """Those that are not on the list are not for ports, or do harm."""
+def test_all_schemes_of_pyserial_are_considered():
+    """Those that are not accepted are not for ports, or do harm."""
     import serial.urlhandler
     folder = os.path.dirname(serial.urlhandler.__file__)
     found = {name[9:-3] for name in os.listdir(folder) if name.startswith('protocol_')}
@@ -121,9 +121,9 @@ BAUDS = st.one_of(st.integers(-10, 10 ** 12), st.integers(), st.sampled_from([
 @example('.', BAUD)
 @example('~', BAUD)
 def test_any_text_and_any_baud_rate(text, baud_rate):
-    """Either is the caller's mistake, or cannot be opened; both in one printable sentence."""
+    """The caller is wrong, or the port cannot be opened; both in one printable sentence."""
     with pytest.MonkeyPatch.context() as patch:
-        # No name is looked up, and nothing connected to, from here.
+        # No name is looked up, and no connection is made.
         patch.setattr('socket.getaddrinfo', unknown_host)
         try:
             link = Link(text, baud_rate)
@@ -136,13 +136,13 @@ def test_any_text_and_any_baud_rate(text, baud_rate):
 
 
 def unknown_host(*_, **__):
-    """Fail as a look-up does."""
+    """Fail as a failed lookup."""
     import socket
     raise socket.gaierror(-2, 'Name or service not known')
 
 
 def opening(link):
-    """Return why a link cannot be opened; '' if it can."""
+    """Return why a link cannot be opened; empty if it can."""
     try:
         link.connect()
     except LinkError as error:
@@ -155,8 +155,8 @@ def opening(link):
 @given(st.integers(1, address_module.MOST_BAUD))
 @example(2 ** 31 - 1)
 @example(1)
-def test_any_baud_rate_on_a_port_that_is_there(baud_rate):
-    """It is set, or there is a sentence that names it."""
+def test_any_baud_rate_on_an_existing_port(baud_rate):
+    """It is set, or the error names it."""
     with PtyPort() as port:
         sentence = opening(Link(port.path, baud_rate))
         assert not sentence or f'does not support {baud_rate} baud' in sentence

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Explaining an error never raises, whatever the error and whatever the system says of it."""
+"""Tests of explanations, which never raise, for any error and any state of the system."""
 
 import errno
 import os
@@ -30,7 +30,7 @@ class Unspeakable(Exception):
 
 
 def wrapped(code):
-    """Return an error as pyserial makes it, without its number."""
+    """Return an error as pyserial raises it, without an errno."""
     try:
         try:
             raise termios.error(code, os.strerror(code))
@@ -70,8 +70,8 @@ def test_any_error_on_any_path(path, error, was_open):
 
 @pytest.mark.parametrize('broken', ['os.stat', 'os.access', 'os.geteuid', 'os.path.realpath',
                                     'pwd.getpwuid', 'grp.getgrgid', 'os.listdir', 'os.major'])
-def test_the_system_fails_while_an_error_is_explained(monkeypatch, broken):
-    """As os.stat does in a directory that may not be entered."""
+def test_an_explanation_survives_failures_of_the_system(monkeypatch, broken):
+    """Such as os.stat in a directory without access."""
     def fail(*_, **__):
         raise PermissionError(errno.EACCES, 'Permission denied')
 
@@ -90,8 +90,8 @@ def test_the_system_fails_while_an_error_is_explained(monkeypatch, broken):
     (errno.ENOTTY, 'is not a serial port'),
     (errno.ENAMETOOLONG, 'is not a serial port'),
 ])
-def test_what_users_meet(code, words):
-    """Each has a remedy."""
+def test_common_errors_have_a_remedy(code, words):
+    """For each errno that users meet."""
     error = why_not_open(Target('/dev/x', '/dev/x', 9600, False), OSError(code, 'x'))
     assert words in str(error)
 
@@ -104,8 +104,8 @@ def test_what_users_meet(code, words):
     (serial.SerialException('Remote does not seem to support RFC2217 or BINARY mode [we-B]'),
      'does not accept RFC 2217'),
 ])
-def test_what_users_of_servers_meet(error, words):
-    """Each has a remedy, and no port of a server is searched for as a file."""
+def test_common_errors_of_servers_have_a_remedy(error, words):
+    """And no file is searched for the port of a server."""
     found = why_not_open(Target('socket://h:1', '', 9600, False), error)
     assert words in str(found) and found.absent
 
@@ -123,8 +123,8 @@ except LinkError as error:
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason='only root can become another user')
-def test_a_directory_that_may_not_be_entered(tmp_path):
-    """Neither opening nor looking is allowed there; the sentence names the directory."""
+def test_a_directory_without_access(tmp_path):
+    """The error names the directory."""
     folder = tmp_path / 'closed'
     folder.mkdir(mode=0o700)
     for parent in tmp_path.parents[:-2]:

@@ -33,14 +33,14 @@ def refusal(path, baud_rate=BAUD):
 
 
 def sure(read):
-    """Read until something comes: what was sent may be on its way for longer than a time-out."""
+    """Read until bytes arrive: they may take longer than a time-out."""
     results = []
     assert wait_for(lambda: results.append(read()) or results[-1])
     return results[-1]
 
 
-def test_reads_what_was_sent_with_the_time_of_the_read(port):
-    """All bytes, whatever their value, in order."""
+def test_bytes_are_read_with_the_time_of_the_read(port):
+    """Bytes of all values, in order."""
     link = Link(port.path, BAUD)
     link.connect()
     before = host_instant()
@@ -56,16 +56,16 @@ def test_reads_what_was_sent_with_the_time_of_the_read(port):
     link.close()
 
 
-def test_silence_is_none(port):
-    """Nothing came within the time-out."""
+def test_a_read_without_bytes_returns_none(port):
+    """After its time-out."""
     link = Link(port.path, BAUD)
     link.connect()
     assert link.read() is None
     link.close()
 
 
-def test_writes_to_the_device(port):
-    """The other end gets the bytes."""
+def test_bytes_are_written_to_the_device(port):
+    """The other end reads them."""
     link = Link(port.path, BAUD)
     link.connect()
     link.write(b'NE\x03\x00\xf0')
@@ -74,7 +74,7 @@ def test_writes_to_the_device(port):
 
 
 def test_missing_port(tmp_path):
-    """The sentence names it and says what to do."""
+    """The error names it and has a remedy."""
     error = refusal(tmp_path / 'ttyUSB9')
     assert str(error) == (f'{tmp_path}/ttyUSB9 does not exist: plug the device in, '
                           'or name another port')
@@ -82,7 +82,7 @@ def test_missing_port(tmp_path):
 
 
 def test_port_in_use(port):
-    """By another program, or another driver."""
+    """Another program or another driver has it open."""
     first = Link(port.path, BAUD)
     first.connect()
     assert f'{port.path} is in use by another program' in str(refusal(port.path))
@@ -94,8 +94,8 @@ def test_port_in_use(port):
 
 
 @pytest.mark.parametrize('make', [lambda path: path.mkdir(), lambda path: path.write_text('x')])
-def test_what_is_no_serial_port(tmp_path, make):
-    """A folder, a file."""
+def test_a_path_that_is_no_serial_port(tmp_path, make):
+    """Such as a directory or a file."""
     make(tmp_path / 'thing')
     assert str(refusal(tmp_path / 'thing')).startswith(f'{tmp_path}/thing is not a serial port: ')
 
@@ -107,7 +107,7 @@ def test_a_device_that_is_no_serial_port():
 
 @pytest.fixture
 def as_somebody():
-    """Give up root's power over file modes for the time of a test."""
+    """Drop the capability of root to ignore file modes during a test."""
     root = os.geteuid() == 0
     if root:
         os.seteuid(65534)
@@ -116,8 +116,8 @@ def as_somebody():
         os.seteuid(0)
 
 
-def test_forbidden_port_tells_which_group_to_join(port, request):
-    """That of the port, when the group may read and write it."""
+def test_the_error_of_a_forbidden_port_names_the_group_to_join(port, request):
+    """It is that of the port, if the group may read and write it."""
     os.chmod(port.path, stat.S_IRGRP | stat.S_IWGRP)
     if os.geteuid() == 0:
         os.chown(port.path, 0, 20)
@@ -131,7 +131,7 @@ def test_forbidden_port_tells_which_group_to_join(port, request):
 
 
 def test_forbidden_port_without_a_group_tells_of_udev(port, request):
-    """When not even a group may use it."""
+    """If no group may use the port."""
     os.chmod(port.path, 0)
     request.getfixturevalue('as_somebody')
     sentence = str(refusal(port.path))
@@ -139,7 +139,7 @@ def test_forbidden_port_without_a_group_tells_of_udev(port, request):
 
 
 def test_vanished_port():
-    """Reading says so at once, and closing does no harm."""
+    """The next read raises LinkError, and closing does nothing."""
     port = PtyPort()
     link = Link(port.path, BAUD)
     link.connect()
@@ -154,7 +154,7 @@ def test_vanished_port():
 
 
 def test_a_waiting_read_can_be_woken(port, monkeypatch):
-    """Long before its time-out, so that the node ends at once."""
+    """Long before its time-out, so that the node ends soon."""
     monkeypatch.setattr(link_module, 'READ_TIMEOUT', 120)
     link = Link(port.path, BAUD)
     link.connect()
@@ -167,14 +167,14 @@ def test_a_waiting_read_can_be_woken(port, monkeypatch):
 
 @pytest.fixture
 def server():
-    """Give a listening socket on a port of the system's choice."""
+    """Give a listening socket on a free port."""
     with socket.create_server(('127.0.0.1', 0)) as made:
         made.settimeout(60)
         yield made
 
 
 def test_socket_url(server):
-    """All that was sent comes, in few reads, and its end is noticed."""
+    """All bytes arrive, in few reads, and the end is detected."""
     link = Link(f'socket://127.0.0.1:{server.getsockname()[1]}', BAUD)
     link.connect()
     peer, _ = server.accept()
@@ -191,7 +191,7 @@ def test_socket_url(server):
 
 
 def test_the_last_byte_before_a_socket_is_closed(server):
-    """It is read, and then it is said that the port is gone."""
+    """It is read, and the next read raises LinkError."""
     link = Link(f'socket://127.0.0.1:{server.getsockname()[1]}', BAUD)
     link.connect()
     peer, _ = server.accept()
@@ -204,8 +204,8 @@ def test_the_last_byte_before_a_socket_is_closed(server):
 
 
 def test_socket_without_server():
-    """The sentence gives the reason and no errno."""
-    with socket.socket() as deaf:           # has the number, so that nobody else does
+    """The error has the reason and no errno."""
+    with socket.socket() as deaf:           # reserves the number of the port
         deaf.bind(('127.0.0.1', 0))
         number = deaf.getsockname()[1]
         assert str(refusal(f'socket://127.0.0.1:{number}')) == (
@@ -213,21 +213,21 @@ def test_socket_without_server():
             'server running, and is this its TCP port?')
 
 
-def test_unknown_url_is_the_callers_mistake():
-    """It will not get better by trying again."""
+def test_an_unknown_url_is_a_mistake_of_the_caller():
+    """Trying again cannot help."""
     with pytest.raises(ValueError, match='foo:// is not supported'):
         Link('foo://bar', BAUD)
 
 
 @pytest.mark.parametrize('url', ['socket://', 'socket://host', 'socket://:4001'])
-def test_socket_without_host_or_port_is_the_callers_mistake(url):
-    """It is told what would be right."""
+def test_a_socket_without_host_or_port_is_a_mistake_of_the_caller(url):
+    """The error has an example."""
     with pytest.raises(ValueError, match='must have a host and a port, such as socket://'):
         Link(url, BAUD)
 
 
-def test_a_url_that_looks_for_a_device_may_find_it_later():
-    """Not finding it now is a reason like any other."""
+def test_a_url_that_searches_for_a_device_may_find_it_later():
+    """A device that is not found is a LinkError."""
     link = Link('hwgrep://no-such-device-anywhere', BAUD)
     with pytest.raises(LinkError, match='hwgrep://no-such-device-anywhere cannot be opened'):
         link.connect()

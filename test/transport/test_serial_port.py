@@ -23,7 +23,7 @@ from support.waiting import wait_for
 
 BAUD = 115200
 TIOCGEXCL = 0x80045440
-MANY_FILES = 1100               # more descriptors than select() takes
+MANY_FILES = 1100               # more descriptors than select() accepts
 
 
 @pytest.fixture
@@ -45,7 +45,7 @@ def opened(path):
 
 
 def is_exclusive(path):
-    """Return whether the port is marked as open for one program alone; only root may look."""
+    """Return whether the port is open exclusively; only root can read it."""
     descriptor = os.open(path, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
     try:
         return bool(struct.unpack('i', fcntl.ioctl(descriptor, TIOCGEXCL, bytes(4)))[0])
@@ -54,8 +54,8 @@ def is_exclusive(path):
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason='only root may open an exclusive port again')
-def test_it_is_open_for_this_program_alone_as_long_identity_open(port):
-    """A pseudo-terminal would remember the mark, and the driver lock itself out."""
+def test_it_is_open_exclusively_while_it_is_open(port):
+    """A pseudo-terminal would keep the mark, and lock out the driver itself."""
     with opened(port.path):
         assert is_exclusive(port.path)
     assert not is_exclusive(port.path)
@@ -80,7 +80,7 @@ for turn in range(3):
 
 
 def test_another_program_of_an_ordinary_user_cannot_open_it(port):
-    """Though it looks at no lock; and the driver can open it again and again."""
+    """Although it ignores locks; the driver can open it repeatedly."""
     done = subprocess.run([sys.executable, '-c', AS_NOBODY, port.path],
                           capture_output=True, text=True, check=False)
     assert (done.stdout, done.stderr) == (f'{errno.EBUSY}\n' * 3, '')
@@ -106,14 +106,14 @@ except LinkError as error:
 
 
 def test_a_pseudo_terminal_that_a_killed_program_had_open(port):
-    """It remembers the mark until who made it ends; a serial device does not."""
+    """It keeps the mark until its creator ends; a serial device does not."""
     done = subprocess.run([sys.executable, '-c', AFTER_A_KILL, port.path],
                           capture_output=True, text=True, check=True)
     assert done.stdout.endswith('restart the program that made this pseudo-terminal\n')
 
 
-def test_who_has_it_is_named(port):
-    """By name and number; this program itself, too."""
+def test_the_error_names_the_program_that_has_the_port_open(port):
+    """By name and process id, including this program."""
     code = ('import sys, time; from bahrs_driver.transport.link import Link\n'
             'link = Link(sys.argv[1], 115200); link.connect(); print(flush=True); time.sleep(600)')
     with subprocess.Popen([sys.executable, '-c', code, port.path],
@@ -128,8 +128,8 @@ def test_who_has_it_is_named(port):
         Link(port.path, BAUD).connect()
 
 
-def test_bytes_that_another_program_takes_are_no_loss_of_the_port(port, monkeypatch):
-    """They are counted, and the driver does not try as fast as it can."""
+def test_bytes_taken_by_another_program_are_no_loss_of_the_port(port, monkeypatch):
+    """The reads are counted, and the driver pauses between them."""
     channel, waker = SerialPort(port.path, BAUD), Waker()
     port.write(b'x')
     begin = time.monotonic()
@@ -148,13 +148,13 @@ def test_bytes_that_another_program_takes_are_no_loss_of_the_port(port, monkeypa
 
 
 def refuse(descriptor, count):
-    """Fail as a read does while another program reads."""
+    """Fail as a read while another program reads."""
     raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
 
 
 @pytest.fixture
 def many_files():
-    """Have so many files open that any further descriptor is too large for select()."""
+    """Open so many files that any other descriptor is too large for select()."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if hard < 2 * MANY_FILES:
         pytest.skip(f'no more than {hard} files may be open here')
@@ -166,8 +166,8 @@ def many_files():
     resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
 
 
-def test_descriptors_beyond_those_of_select(many_files):
-    """Reading, writing and waking, at both ends of the cable."""
+def test_descriptors_too_large_for_select(many_files):
+    """They work for reading, writing and waking, at both ends of the cable."""
     with PtyPort() as port, opened(port.path) as link:
         assert port.fileno() > 1024
         port.write(b'abc')
@@ -182,8 +182,8 @@ def test_descriptors_beyond_those_of_select(many_files):
         assert link.read() is None
 
 
-def test_a_device_that_accepts_nothing(port, monkeypatch):
-    """Writing gives up, at once if it must not wait; closing does not wait for it either."""
+def test_writing_to_a_device_that_accepts_nothing_times_out(port, monkeypatch):
+    """At once if it must not wait; closing does not wait either."""
     monkeypatch.setattr(link_module, 'WRITE_TIMEOUT', 0.1)
     with opened(port.path) as link:
         with pytest.raises(LinkError, match='does not take data: it has accepted nothing'):
@@ -213,7 +213,7 @@ def test_a_device_that_accepts_nothing(port, monkeypatch):
 
 
 def test_opened_and_closed_under_a_writer_and_replugged():
-    """The port is never in use by the driver itself, and no descriptor is left behind."""
+    """The driver never finds its own port in use, and leaks no descriptor."""
     link = Link('/nowhere', BAUD)
     before = len(os.listdir('/proc/self/fd'))
     ended = threading.Event()
@@ -228,7 +228,7 @@ def test_opened_and_closed_under_a_writer_and_replugged():
     try:
         for turn in range(300):
             with PtyPort() as port:
-                link._path = port.path      # as if a symbolic link had changed
+                link._path = port.path      # like a changed symbolic link
                 link.connect()              # LinkError if it was in use
                 port.write_at_once(b'x')
                 link.read()
@@ -247,15 +247,15 @@ def test_opened_and_closed_under_a_writer_and_replugged():
 
 
 def test_descriptors_are_not_inherited(port):
-    """Or a child would hold the port after the driver has closed it."""
+    """Otherwise a child process would keep the port open."""
     with opened(port.path) as link:
         channel = link._channel
         for descriptor in (channel._descriptor, link._reader_waker.fileno()):
             assert not os.get_inheritable(descriptor)
 
 
-def test_a_file_is_not_even_opened(tmp_path):
-    """A FIFO or a disk could be harmed by that alone."""
+def test_a_path_that_is_no_character_device_is_not_opened(tmp_path):
+    """Merely opening a FIFO can have effects."""
     fifo = tmp_path / 'fifo'
     os.mkfifo(fifo)
     with pytest.raises(LinkError, match='is not a serial port'):

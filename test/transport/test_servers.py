@@ -34,7 +34,7 @@ def listening():
 
 @pytest.fixture
 def served():
-    """Give a function that returns an open link of some kind, and what serves it."""
+    """Give a function that returns an open link of some kind, and its server."""
     with contextlib.ExitStack() as stack:
         def connect(kind):
             made, number = stack.enter_context(listening())
@@ -52,13 +52,13 @@ def served():
 
 
 def socket_of(link):
-    """Return the socket that a link has open."""
+    """Return the socket of a link."""
     channel = link._channel
     return channel._socket if link.port.startswith('socket') else channel._port._socket
 
 
 def collected(link, size):
-    """Read so many bytes."""
+    """Read a count of bytes."""
     data = b''
     while len(data) < size:
         reading = link.read()
@@ -67,24 +67,24 @@ def collected(link, size):
 
 
 @pytest.mark.parametrize('kind', KINDS)
-def test_bytes_of_all_values_come_and_go(served, kind):
-    """None of them is taken for a command of the protocol."""
+def test_bytes_of_all_values_are_read_and_written(served, kind):
+    """None of them is interpreted as a command of the protocol."""
     link, server = served(kind)
     server.send(bytes(range(256)) * 4)
     assert collected(link, 1024) == bytes(range(256)) * 4
     assert link.byte_time_ns == 0 and link.is_network
 
 
-def test_what_is_written_reaches_the_device(served):
-    """Through the protocol's escapes."""
+def test_written_bytes_reach_the_device(served):
+    """Through the escapes of the protocol."""
     link, _ = served('rfc2217')
     link.write(bytes(range(256)))
     assert collected(link, 256) == bytes(range(256))
 
 
 @pytest.mark.parametrize('kind', KINDS)
-def test_the_kernel_watches_the_connection(served, kind):
-    """It gives up after a few seconds without an answer."""
+def test_the_kernel_monitors_the_connection(served, kind):
+    """It closes it after a few seconds without an answer."""
     link, _ = served(kind)
     for level, option, value in tcp.OPTIONS:
         assert bool(socket_of(link).getsockopt(level, option)) == bool(value)
@@ -94,8 +94,8 @@ def test_the_kernel_watches_the_connection(served, kind):
 
 
 @pytest.mark.parametrize('kind', KINDS)
-def test_an_orderly_close_is_noticed_at_once(served, kind):
-    """The sentence mentions the connection."""
+def test_an_orderly_close_is_detected_at_once(served, kind):
+    """The error mentions the connection."""
     link, server = served(kind)
     server.close()
     with pytest.raises(LinkError, match='is gone: the (other end|connection).* closed') as caught:
@@ -104,8 +104,8 @@ def test_an_orderly_close_is_noticed_at_once(served, kind):
     assert caught.value.absent and 'the driver goes on trying' in str(caught.value)
 
 
-def test_what_a_server_sends_prints_no_traceback(served, capfd):
-    """An end without a beginning makes pyserial's thread raise."""
+def test_no_bytes_of_a_server_print_a_traceback(served, capfd):
+    """An end without a beginning makes the thread of pyserial raise."""
     link, server = served('rfc2217')
     server.write(rfc2217.IAC + rfc2217.SE)
     with pytest.raises(LinkError, match='is gone'):
@@ -123,8 +123,8 @@ TELNET = st.lists(st.sampled_from([rfc2217.IAC, rfc2217.SB, rfc2217.SE, rfc2217.
 
 @settings(max_examples=12, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(TELNET)
-def test_any_bytes_of_a_server(served, capfd, data):
-    """The port gives data, or is gone; no traceback, no endless wait."""
+def test_any_bytes_of_a_server_are_handled(served, capfd, data):
+    """The port returns data, or is gone, without a traceback or an endless wait."""
     link, server = served('rfc2217')
     server.write(data)
     server.close()
@@ -135,8 +135,8 @@ def test_any_bytes_of_a_server(served, capfd, data):
     assert capfd.readouterr().err == ''
 
 
-def test_a_server_that_floods_waits(served, monkeypatch):
-    """What is not read yet is bounded, and the port can be closed all the same."""
+def test_a_server_that_floods_is_slowed_down(served, monkeypatch):
+    """The queue is bounded, and the port can be closed."""
     monkeypatch.setattr(pyserial_url, 'LONGEST_QUEUE', 5000)
     link, server = served('rfc2217')
     flood = threading.Thread(target=server.write, args=(bytes(3_000_000),), daemon=True)
@@ -149,8 +149,8 @@ def test_a_server_that_floods_waits(served, monkeypatch):
 
 
 @pytest.mark.parametrize('kind', KINDS)
-def test_a_server_that_accepts_and_says_nothing(kind):
-    """Raw: a silent device. RFC 2217: no such server, which is told in plain words."""
+def test_a_server_that_accepts_and_sends_nothing(kind):
+    """Raw: a silent device. RFC 2217: an error, because the server does not negotiate."""
     with listening() as (_, number):
         link = Link(f'{kind}://127.0.0.1:{number}', BAUD)
         if kind == 'socket':
@@ -164,8 +164,8 @@ def test_a_server_that_accepts_and_says_nothing(kind):
 
 
 @pytest.mark.parametrize('kind', KINDS)
-def test_connecting_can_be_ended(kind, monkeypatch):
-    """Also while a name is looked up, with nothing that would wake it."""
+def test_connecting_can_be_cancelled(kind, monkeypatch):
+    """Even during the lookup of a name, which nothing can interrupt."""
     looked_up, ended = threading.Event(), threading.Event()
 
     def look_up(*_, **__):
@@ -191,8 +191,8 @@ def test_connecting_can_be_ended(kind, monkeypatch):
     ended.set()
 
 
-def test_a_connection_that_nobody_waits_for_is_closed(monkeypatch):
-    """It was made after connecting had been given up."""
+def test_a_connection_after_cancellation_is_closed(monkeypatch):
+    """It was established after the wait had been cancelled."""
     made, go = [], threading.Event()
 
     class Late:
@@ -214,7 +214,7 @@ def test_a_connection_that_nobody_waits_for_is_closed(monkeypatch):
 
 
 def test_all_addresses_of_a_host_share_one_time_limit(monkeypatch):
-    """A name with many that do not answer would take minutes."""
+    """Many addresses that do not answer would take minutes."""
     timeouts = []
 
     class Deaf(socket.socket):
@@ -266,7 +266,7 @@ except LinkError as error:
 
 
 def unshare():
-    """Return the command that gives a process a network of its own; None if not allowed."""
+    """Return the command that runs a process in its own network namespace; None if not allowed."""
     for words in (['unshare', '-n'], ['unshare', '-rn']):
         if shutil.which('unshare') and shutil.which('ip') and subprocess.run(
                 [*words, 'ip', 'link', 'set', 'lo', 'up'], capture_output=True).returncode == 0:
@@ -276,8 +276,8 @@ def unshare():
 
 @pytest.mark.parametrize('writes', ['writes', 'listens'])
 @pytest.mark.parametrize('kind', KINDS)
-def test_a_peer_that_vanishes_without_a_word(kind, writes):
-    """Such as a serial server that loses power: it is noticed within seconds."""
+def test_a_peer_that_vanishes_is_detected(kind, writes):
+    """Such as a serial server that loses power, within seconds."""
     words = unshare()
     if words is None:
         pytest.skip('a network of its own needs privileges, and unshare and ip')

@@ -88,7 +88,7 @@ class PayloadDecoder(Generic[ItemT]):
         values. An unexpected answer is never decoded.
         """
         answer = item.message
-        if not isinstance(answer, Answer) or not answer.wanted:
+        if not isinstance(answer, Answer) or not answer.expected:
             return [item]
         lead = little_endian_lead(answer)
         if self.order:

@@ -83,20 +83,20 @@ class Answer(Message):
     """
     An answer whose payload is not decoded yet.
 
-    `asked` is the time of its request, in ns of the host's raw clock; None if not known.
-    `wanted` is False for an answer to no outstanding request: it arrived late or twice.
+    `requested_at` is the time of its request, in ns of the host's raw clock; None if not known.
+    `expected` is False for an answer to no outstanding request: it arrived late or twice.
     """
 
     kind: type[TitanAnswer]
     message_id: int
     payload: bytes
-    asked: int | None = None
-    wanted: bool = True
+    requested_at: int | None = None
+    expected: bool = True
 
     @property
     def NAME(self) -> str:  # type: ignore[override]  # noqa: N802
         """Name of the message; 'unexpected' if it answers no outstanding request."""
-        return self.kind.NAME if self.wanted else 'unexpected'
+        return self.kind.NAME if self.expected else 'unexpected'
 
 
 def answer_of(frame: Frame) -> Answer:

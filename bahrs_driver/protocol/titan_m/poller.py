@@ -182,14 +182,14 @@ class Poller:
             self._ids.append(bool(same_id))
         if not found or self._is_late(found[0], now):
             self._record_unexpected(answer.kind, now)
-            return replace(answer, wanted=False)
+            return replace(answer, expected=False)
         pending = found[0]
         self._outstanding.remove(pending)
         self.answered[pending.kind] += 1
         self._unanswered_in_a_row = 0
         self._paced.append(self._is_paced(pending, now))
         self._measure(pending, now)
-        return replace(answer, asked=pending.sent)
+        return replace(answer, requested_at=pending.sent)
 
     def _choose(self, now: int) -> Kind | None:
         """Return the kind to request now."""

@@ -233,10 +233,10 @@ def test_declination_turns_yaw_and_not_the_heading():
     assert math.degrees(yaw) == pytest.approx(-10.0, abs=1e-5)
 
 
-@pytest.mark.parametrize('wanted', [True, False])
-def test_undecoded_and_unexpected_answers_are_neither_published_nor_kept(wanted):
+@pytest.mark.parametrize('expected', [True, False])
+def test_undecoded_and_unexpected_answers_are_neither_published_nor_kept(expected):
     """The decoder holds the former until their byte order is known."""
     parts = converter()
     payload = LAYOUTS[Sensors, 'little'].encode(SENSORS)
-    assert list(parts.convert(Answer(Sensors, 0, payload, wanted=wanted), STAMP)) == []
+    assert list(parts.convert(Answer(Sensors, 0, payload, expected=expected), STAMP)) == []
     assert converted(parts, STATE)['imu/data'].linear_acceleration_covariance[0] == -1

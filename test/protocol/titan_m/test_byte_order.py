@@ -78,7 +78,7 @@ def test_a_forced_order_holds_nothing():
 def test_unexpected_answers_are_neither_decoded_nor_counted_as_votes():
     """They pass unchanged, and so do messages that are not answers."""
     payloads = PayloadDecoder()
-    unexpected = Stamped(replace(answer(STATE, 'little'), wanted=False), FRAME, 5)
+    unexpected = Stamped(replace(answer(STATE, 'little'), expected=False), FRAME, 5)
     assert payloads.resolve(unexpected) == [unexpected]
     assert payloads.order is None and payloads.held == 0
     value = Stamped(STATE, FRAME, 6)

@@ -40,8 +40,8 @@ def asked(data):
 def answer(poller, kind, now, identity=0):
     """Match an answer; return the time of its request, None if it is unexpected."""
     taken = poller.match(answer_of(Frame(0, build_answer(OF[kind], identity), 'big')), now)
-    assert taken.wanted == (taken.NAME == kind.NAME)
-    return taken.asked if taken.wanted else None
+    assert taken.expected == (taken.NAME == kind.NAME)
+    return taken.requested_at if taken.expected else None
 
 
 def test_nothing_is_sent_on_a_closed_line():
