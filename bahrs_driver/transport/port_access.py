@@ -32,7 +32,8 @@ def access_advice(machine: Machine, port: str) -> AccessAdvice | None:
         return None
     if not _may(info, stat.S_IRGRP | stat.S_IWGRP):
         return AccessAdvice(
-            f'its mode is {stat.filemode(info.st_mode)}', 'let the group dialout use it',
+            f'its mode is {stat.filemode(info.st_mode)}',
+            'let the group dialout use it (a udev rule does so permanently)',
             f'sudo chgrp dialout {_quoted(port)} && sudo chmod 660 {_quoted(port)}')
     if info.st_gid in user.groups:
         return None
