@@ -3,8 +3,8 @@
 """
 Stamps for a device that answers requests and does not report the time of its samples.
 
-It measured after the last byte of the request arrived and before the first byte of the answer
-left. The stamp is the middle of the two, and its error at most half of the time between them.
+The device measures after the last byte of the request has arrived and before the first byte of the
+answer leaves. The stamp is the middle of the two; its error is at most half of the time between.
 """
 
 from collections import deque
@@ -28,7 +28,7 @@ class ExchangeClock(Clock):
     Stamps answers with the middle of request and answer.
 
     A message is stamped by its `requested_at` (CLOCK_MONOTONIC_RAW, ns); if that is None, the
-    stamp is the arrival. A message that was not `expected` is not put in the order of time.
+    stamp is the arrival. The stamp of a message that is not `expected` may precede earlier ones.
     """
 
     def __init__(self, request_size: int, fixed_latency: int = 0) -> None:
@@ -44,7 +44,7 @@ class ExchangeClock(Clock):
     def begin(self, byte_time: int) -> None:
         """Begin another stream, on a line that transmits a byte in byte_time ns."""
         self._reads.begin(byte_time)
-        self._request_time = self._request_size * byte_time
+        self._request_duration = self._request_size * byte_time
         self._halves.clear()
 
     def observe_read(self, now: Instant, received: int) -> None:
@@ -79,7 +79,7 @@ class ExchangeClock(Clock):
         if requested_at is None:
             self._arrivals += 1
             return self._slewer.stamp_arrival(latest)
-        earliest = requested_at + self._request_time
+        earliest = requested_at + self._request_duration
         if latest < earliest:       # the line is faster than its baud rate
             earliest, latest = requested_at, self._reads.now.raw_ns
         self._halves.append((latest - earliest) // 2)

@@ -73,7 +73,7 @@ def through_wire(message):
 
 def from_titan(stream, **options):
     """Return what a Titan-M's answers become."""
-    options = {'asked': {State, Sensors, Gps}, **options}
+    options = {'requested': {State, Sensors, Gps}, **options}
     parts = TitanConverter(replace(TITAN_OPTIONS, **options))
     return [pair for index, message in enumerate(stream)
             for pair in parts.convert(through_wire(message), STAMP + STEP * index)]

@@ -33,4 +33,4 @@ DEVIATIONS = TitanDeviations(
     field=1e-6, static_pressure=10.0, differential_pressure=2.0, temperature=0.5)
 TITAN_OPTIONS = TitanOptions(
     'imu', 'map', CONVENTIONS['enu'], DEVIATIONS, declination=0.0, geoid_height=0.0,
-    gps_week=0, leap_seconds=18, asked={State, Sensors})
+    gps_week=0, leap_seconds=18, requested={State, Sensors})

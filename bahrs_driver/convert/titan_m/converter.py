@@ -90,7 +90,7 @@ class TitanOptions:
     gps_week: int
     leap_seconds: int
     # Without state answers, velocity is that of the GPS. Only GPS answers report the fix.
-    asked: Collection[type[TitanAnswer]] | None     # None: others ask, and what comes will tell
+    requested: Collection[type[TitanAnswer]] | None     # None: another host sends the requests
     withhold_incomplete: bool = False
 
 
@@ -129,7 +129,7 @@ class TitanConverter:
 
     def convert(self, message: object, stamp_ns: int) -> Outgoing:
         """
-        Return the topics and ROS messages of an answer; none of one that is not decoded.
+        Convert an answer; the result is empty for one that is not decoded.
 
         stamp_ns is the answer's time in nanoseconds since the epoch.
         """
@@ -139,7 +139,7 @@ class TitanConverter:
     def _convert(self, message: object, stamp_ns: int) -> Outgoing:
         handler = self._handlers.get(type(message))
         if handler:
-            self._heard.setdefault(type(message), stamp_ns)
+            self._first_stamps.setdefault(type(message), stamp_ns)
             yield from handler(message, stamp_ns)
 
     @property
@@ -161,13 +161,14 @@ class TitanConverter:
         self._sample: _Sample | None = None
         self._had_fix = False
         self._gps_status = GpsStatus()
-        self._heard: dict[type, int] = {}       # stamp of the first answer of each kind
+        self._first_stamps: dict[type, int] = {}    # of each kind of answer
 
-    def _comes(self, kind: type[TitanAnswer], stamp_ns: int) -> bool:
-        """Return whether answers of a kind arrive, as far as known."""
-        if self._options.asked is not None:
-            return kind in self._options.asked
-        return kind in self._heard or stamp_ns - min(self._heard.values()) < ABSENT_NS
+    def _expects(self, kind: type[TitanAnswer], stamp_ns: int) -> bool:
+        """Return whether answers of a kind arrive, or may still begin to arrive."""
+        if self._options.requested is not None:
+            return kind in self._options.requested
+        first = self._first_stamps
+        return kind in first or stamp_ns - min(first.values()) < ABSENT_NS
 
     def _sensors(self, message: Sensors, stamp_ns: int) -> Outgoing:
         options, deviations = self._options, self._options.deviations
@@ -192,25 +193,23 @@ class TitanConverter:
 
     def _state(self, message: State, stamp_ns: int) -> Outgoing:
         options = self._options
-        known = _finite(message.attitude)
         roll, pitch, heading = message.attitude
         rotation = quaternion_from_euler(
-            roll, pitch, heading + options.declination) if known else None
-        sample = self._sample
-        if sample and abs(stamp_ns - sample.stamp_ns) > TOGETHER_NS:
-            sample = None
+            roll, pitch, heading + options.declination) if _finite(message.attitude) else None
         if rotation:
             self._orientation = same_sign(options.convention.orientation(rotation),
                                           self._orientation)
-        _, force, rate = sample or _Sample(0, ros.NO_VECTOR, ros.NO_VECTOR)
+        force = rate = ros.NO_VECTOR
+        if self._sample and abs(stamp_ns - self._sample.stamp_ns) <= TOGETHER_NS:
+            _, force, rate = self._sample
         yield 'imu/data', self._imu(
             stamp_ns, self._orientation if rotation else None, force, rate, self._covariances)
         if _finite(message.velocity_ned):
             yield 'velocity', self._twist(message.velocity_ned, stamp_ns)
         if rotation and _finite(message.position_ned + message.velocity_ned) \
-                and (self._had_fix or not self._comes(Gps, stamp_ns)):
+                and (self._had_fix or not self._expects(Gps, stamp_ns)):
             yield 'odometry', self._odometry(message, rotation, stamp_ns)
-        yield 'heading', ros.number(math.degrees(heading) % 360.0 if known else math.nan)
+        yield 'heading', ros.number(math.degrees(heading) % 360.0 if rotation else math.nan)
 
     def _gps(self, message: Gps, stamp_ns: int) -> Outgoing:
         options = self._options
@@ -221,10 +220,10 @@ class TitanConverter:
             options.deviations.altitude)
         if position:
             self._had_fix = True
-            if not self._comes(State, stamp_ns):
+            if not self._expects(State, stamp_ns):
                 yield 'velocity', self._twist(message.velocity_ned, stamp_ns)
         self._gps_status = GpsStatus(True, message.zone if position else 0, message.northern)
-        # A time of 0 is one that is not known, and says nothing about the week.
+        # A time of 0 is unknown, and cannot be compared with the GPS week.
         time = self._gps_time.utc_us(message.gps_time_s, stamp_ns) if message.gps_time_s else None
         if time is not None:
             yield 'time_reference', ros.time_reference(head, time, TIME_SOURCE)
@@ -236,7 +235,7 @@ class TitanConverter:
 
     def _odometry(self, message: State, rotation: Quaternion, stamp_ns: int) -> Odometry:
         options, deviations = self._options, self._options.deviations
-        turn = [self._orientation_covariance[i] for i in (0, 4, 8)]
+        orientation = [self._orientation_covariance[i] for i in (0, 4, 8)]
         rate = (deviations.rate ** 2 if _finite(message.angular_rate)
                 else covariance.UNKNOWN_VARIANCE)
         position = (deviations.position ** 2, deviations.position ** 2, deviations.altitude ** 2)
@@ -244,7 +243,7 @@ class TitanConverter:
             ros.header(stamp_ns, options.world_frame_id), options.frame_id,
             options.convention.world(message.position_ned),
             self._orientation,
-            covariance.of_pairs(position, turn),
+            covariance.of_pairs(position, orientation),
             options.convention.body(rotate_to_body(message.velocity_ned, rotation)),
             options.convention.body(_numbers(message.angular_rate)),
             covariance.of_pairs((deviations.velocity ** 2,) * 3, (rate,) * 3))

@@ -128,5 +128,5 @@ def _options(settings: TitanMSettings,
         geoid_height=settings.gps.geoid_height,
         gps_week=settings.gps.week,
         leap_seconds=settings.gps.leap_seconds,
-        asked={kind.ANSWER for kind, rate in rates.items() if rate} or None,
+        requested={kind.ANSWER for kind, rate in rates.items() if rate} or None,
         withhold_incomplete=settings.publish.incomplete == 'withhold')

@@ -82,10 +82,10 @@ class PayloadDecoder(Generic[ItemT]):
 
     def resolve(self, item: ItemT) -> list[ItemT]:
         """
-        Replace an answer by its values, and release the answers held before it.
+        Decode an answer, and release the answers held before it.
 
-        An answer in an order that is not known yet is delivered undecoded, and once more as
-        values. An unexpected answer is never decoded.
+        While the order is unknown, an answer is returned undecoded and held, to be returned again
+        as values. An unexpected answer is never decoded.
         """
         answer = item.message
         if not isinstance(answer, Answer) or not answer.expected:

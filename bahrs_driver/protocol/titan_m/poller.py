@@ -10,14 +10,16 @@ that hold bytes back. GPS and sensor requests are outstanding together only if t
 known to differ in length: nothing else distinguishes them.
 
 An answer belongs to the oldest outstanding request of its kind. If message ids are counted, and
-the device is seen to return them, it must also have the id of that request. An answer to no
-outstanding request arrived late or twice. It is not data, because its time is not known. So is an
-answer that arrives faster than the line can carry it and its request, if another request of its
-kind timed out shortly before and no answer before was as fast: it is the late answer to that one.
+the device returns them, it must also have the id of that request. An answer to no outstanding
+request arrived late or twice: it is unexpected, and is not used as data, because the time of its
+measurement is unknown. An answer may also arrive sooner than the line can carry both it and its
+request. If no earlier answer did, and a request of its kind timed out shortly before, it is the
+late answer to that request, and unexpected.
 
-The time-out is adaptive: twice the slowest of the latest answers, and a margin. An unanswered
-request is repeated at once, a few times. After several unanswered requests in a row the other byte
-order of the checksum is tried, because the document does not state which one the device expects.
+The time-out is adaptive: twice the delay of the slowest of the latest answers, plus a margin. An
+unanswered request is repeated at once, a few times. After several unanswered requests in a row the
+other byte order of the checksum is tried, because the document does not state which one the device
+expects.
 
 Times are in ns of one steady clock.
 """
@@ -36,7 +38,7 @@ from bahrs_driver.protocol.titan_m.messages import (
 )
 from bahrs_driver.units import COUNTER_MODULUS, NS_PER_MS
 
-MARGIN = 20 * NS_PER_MS           # added to the time that answers took
+MARGIN = 20 * NS_PER_MS           # added to the adaptive time-out
 LONGEST_BACKLOG = 20 * NS_PER_MS  # of outstanding answers on the line
 MEASURED = 32                       # answers whose delay is remembered
 FEW_MEASURED = 4                    # delays needed for an adaptive time-out
@@ -149,9 +151,9 @@ class Poller:
             return now
         times = [pending.deadline for pending in self._outstanding]
         if self._options.pipelined or not self._outstanding:
-            room = self._line_free - LONGEST_BACKLOG
-            turn = self._schedule.next_after(now)
-            times += [time for time in (room, turn) if time is not None and time > now]
+            backlog_end = self._line_free - LONGEST_BACKLOG
+            next_turn = self._schedule.next_after(now)
+            times += [time for time in (backlog_end, next_turn) if time is not None and time > now]
         return min(times, default=None)
 
     def send(self, now: int) -> bytes:
@@ -177,13 +179,13 @@ class Poller:
         """Return an answer with the time of its request, or marked as unexpected."""
         waiting = [pending for pending in self._outstanding if pending.kind.ANSWER is answer.kind]
         same_id = [pending for pending in waiting if pending.message_id == answer.message_id]
-        found = same_id if self.returns_ids else waiting
+        candidates = same_id if self.returns_ids else waiting
         if waiting:
             self._ids.append(bool(same_id))
-        if not found or self._is_late(found[0], now):
+        if not candidates or self._is_late(candidates[0], now):
             self._record_unexpected(answer.kind, now)
             return replace(answer, expected=False)
-        pending = found[0]
+        pending = candidates[0]
         self._outstanding.remove(pending)
         self.answered[pending.kind] += 1
         self._unanswered_in_a_row = 0
@@ -193,7 +195,7 @@ class Poller:
 
     def _choose(self, now: int) -> Kind | None:
         """Return the kind to request now."""
-        if not self._started:       # start() does not know the time
+        if not self._started:       # start() has no time to schedule by
             self._schedule.start(now)
             self._started = True
         if self._outstanding and not self._options.pipelined:
@@ -243,7 +245,7 @@ class Poller:
     def _record_unanswered(self) -> None:
         self._unanswered_in_a_row += 1
         if self._unanswered_in_a_row % UNANSWERED == 0:
-            self._delays.clear()        # they do not predict the next answer any more
+            self._delays.clear()        # the device or the line may have changed
             if self._options.checksum_order == 'auto':
                 self.checksum_order = 'little' if self.checksum_order == 'big' else 'big'
 
@@ -251,8 +253,8 @@ class Poller:
         """Return whether an answer received now belongs to an earlier request."""
         if self._recently_timed_out(pending.kind, now) is None or self.returns_ids:
             return False
-        sure = len(self._paced) >= FEW_MEASURED and all(self._paced)
-        return sure and not self._is_paced(pending, now)
+        line_is_paced = len(self._paced) >= FEW_MEASURED and all(self._paced)
+        return line_is_paced and not self._is_paced(pending, now)
 
     def _is_paced(self, pending: Pending, now: int) -> bool:
         """Return whether an answer received now took at least its time on the line."""

@@ -126,7 +126,7 @@ def test_fix():
 @pytest.mark.parametrize('zone', [0, 61, 255])
 def test_an_invalid_zone_is_no_fix(zone):
     """With no position that anybody could take for one."""
-    parts = converter(asked={Gps, Sensors})
+    parts = converter(requested={Gps, Sensors})
     out = converted(parts, replace(GPS, zone=zone))
     assert set(out) == {'fix', 'time_reference'}
     assert out['fix'].status.status == NavSatStatus.STATUS_NO_FIX
@@ -139,13 +139,13 @@ def test_an_invalid_zone_is_no_fix(zone):
 
 def test_velocity_of_the_gps_where_the_state_is_not_asked_for():
     """Centimetres a second are enough then."""
-    out = converted(converter(asked={Gps, Sensors}), GPS)
+    out = converted(converter(requested={Gps, Sensors}), GPS)
     assert xyz(out['velocity'].twist.twist.linear) == (2.0, 1.0, -3.0)
 
 
 def test_odometry_begins_with_the_first_fix():
     """Before, the position is relative to nothing; without GPS it is unknown."""
-    parts = converter(asked={State, Gps})
+    parts = converter(requested={State, Gps})
     assert 'odometry' not in converted(parts, STATE)
     converted(parts, replace(GPS, zone=0))
     assert 'odometry' not in converted(parts, STATE)
@@ -158,7 +158,7 @@ def test_odometry_begins_with_the_first_fix():
 def test_where_others_ask_what_comes_tells_what_to_make_of_it():
     """A flight whose GPS, or whose state, was not asked for is converted as it was published."""
     late = STAMP + ABSENT_NS
-    parts = converter(asked=None)
+    parts = converter(requested=None)
     assert 'velocity' not in converted(parts, GPS)               # a state may yet come
     assert 'velocity' in converted(parts, GPS, late)
     assert 'odometry' in converted(parts, STATE, late)
