@@ -1,7 +1,7 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The two clocks of the host: the raw one, which nobody sets, and ROS time, which all nodes share.
+The two clocks of the host: the raw clock, which is never set, and ROS time, shared by all nodes.
 
 Everything is estimated on CLOCK_MONOTONIC_RAW and converted to ROS time at the very end, so a
 host clock that is set or slewed does not disturb the estimate.

@@ -5,10 +5,10 @@ Bytes in, stamped messages out.
 
     framer (bytes -> frames) -> decoder (frame -> message) -> clock (message -> stamp)
 
-Answers whose payload cannot be decoded before they are stamped pass the decoder once more.
-The live reader, the conversion of a recording, the report and the decoder of the command line
-differ in where bytes come from and where messages go. Between the two, all of them use this
-class. It does no I/O, reads no clock and transmits nothing.
+The decoder then resolves answers whose payload cannot be decoded before they have a stamp. The
+live reader, `bahrs convert`, `bahrs report` and `bahrs decode` differ in the source of bytes and
+the destination of messages; between the two, all of them use this class. It does no I/O, reads no
+clock and transmits nothing.
 """
 
 from collections.abc import Sequence
@@ -21,13 +21,13 @@ from bahrs_driver.protocol.decoder import Decoder
 from bahrs_driver.protocol.framing import Frame, Framer, FramingCounters
 from bahrs_driver.protocol.message import Message
 
-SAMPLE_SIZE = 256       # bytes kept, to find out which device sends a stream without frames
+SAMPLE_SIZE = 256       # bytes kept, to identify the device that sends a stream without frames
 NO_INSTANT = Instant(0, 0)
 
 
 @dataclass
 class PipelineCounters:
-    """Counts since the pipeline was made, over all its streams. Any thread may read them."""
+    """Counts over all streams of a pipeline. Any thread may read them."""
 
     framing: FramingCounters
     streams: int = 0
@@ -37,9 +37,9 @@ class PipelineCounters:
 
 class Pipeline:
     """
-    Frames, decodes and stamps the messages of a stream, and of the streams after it.
+    Frames, decodes and stamps the messages of one stream after another.
 
-    Where the bytes are cut makes no difference to messages and their order. One thread uses it.
+    Messages and their order do not depend on the size of the chunks. Only one thread may use it.
     """
 
     def __init__(self, framer: Framer, decoder: Decoder, clock: Clock | None = None) -> None:
@@ -57,20 +57,20 @@ class Pipeline:
         return self._framer.received
 
     def open(self, byte_time_ns: int = 0) -> None:      # noqa: A003, the usual name
-        """Begin a stream on a line that needs byte_time_ns for a byte, 0 if that is not known."""
+        """Begin a stream on a line that carries a byte in byte_time_ns; 0 if that is unknown."""
         self.counters.streams += 1
-        self._framer.flush()                # a stream that was not closed leaves nothing behind
+        self._framer.flush()                # the previous stream may not have been closed
         self._byte_time_ns = byte_time_ns
         self._clock.begin(byte_time_ns)
         self._decoder.open(byte_time_ns)
 
     def feed(self, data: bytes, instant: Instant = NO_INSTANT) -> Sequence[Event]:
         """
-        Return what the bytes of a read complete: faults, notices, and messages in their order.
+        Return the events of a read: faults, notices, then the completed messages in stream order.
 
-        instant is the host's time by which all bytes had arrived; it matters to a clock only. An
-        exception of the decoder is an event. Any other costs the messages that wait for a stamp,
-        and the pipeline may be used again.
+        instant is when all bytes had arrived; only a clock uses it. An exception of the decoder is
+        an event. Any other exception discards the messages that wait for a stamp; the pipeline
+        remains usable.
         """
         counters = self.counters
         counters.bytes_received += len(data)
@@ -97,7 +97,7 @@ class Pipeline:
             stamped = self._decoder.resolve(stamped)
             notices = clock.take_notices()
         except Exception:
-            clock.begin(self._byte_time_ns)     # it may have failed on what waits in it
+            clock.begin(self._byte_time_ns)     # a held message may have caused the exception
             raise
         if faults or notices:
             return [*faults, *map(Notice, notices), *stamped]

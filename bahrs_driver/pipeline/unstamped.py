@@ -17,5 +17,5 @@ class Unstamped(Clock):
         return [Stamped(message, frame, 0) for message, frame in messages]
 
     def state(self) -> TimeState:
-        """Return that nothing is stamped."""
+        """Return the state of a clock without time."""
         return TimeState('none', 'none')

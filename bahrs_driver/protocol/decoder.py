@@ -36,7 +36,7 @@ class Decoder:
         """End the stream."""
 
     def expected(self) -> Collection[type] | None:
-        """Return the kinds of messages that the device was asked for; None if not known."""
+        """Return the kinds of outstanding answers; None if the requests are not known."""
         return None
 
     def decode(self, frame: Frame, now: int, /) -> Message:

@@ -95,7 +95,7 @@ class Framer:
         self._expected: Collection[type] | None = None
         self._buffer = bytearray()
         self._buffer_offset = 0         # of the first byte of the buffer, in the stream
-        self._gap = 0                   # index after the latest frame
+        self._gap = 0                   # index of the first byte that is not counted yet
         self._search = 0                # index from which the next marker is searched
         # Indices in the gap at which a frame of unknown type may begin.
         self._unknown_candidates: deque[int] = deque()
@@ -148,14 +148,14 @@ class Framer:
     def _find_marker(self) -> int:
         marker = self._format.marker
         start = self._buffer.find(marker, self._search)
-        # A partial marker may be at the end of the buffer.
         if start >= 0:
             self._search = start
-        else:
+        else:       # a partial marker may be at the end of the buffer
             self._search = max(self._search, len(self._buffer) - len(marker) + 1)
         return start
 
     def _examine(self, start: int, final: bool) -> Frame | _NoFrame:
+        """Return the frame at a marker, or the reason why there is none."""
         header_end = start + self._format.header_size
         if header_end > len(self._buffer) and not final:
             return _NoFrame.INCOMPLETE
@@ -169,12 +169,16 @@ class Framer:
             checksum = self._format.passing_checksum(data, self._expected)
             if checksum:
                 return Frame(self._buffer_offset + start, data, checksum)
+        self._record_rejected(start, sizes)
+        return _NoFrame.REJECTED
+
+    def _record_rejected(self, start: int, sizes: tuple[int, ...]) -> None:
+        """Count a CRC failure if the largest size was complete; without a size, keep the start."""
         self._close_unknown(start)
         if not sizes:
             self._unknown_candidates.append(start)
-        elif len(data) == size:
+        elif start + sizes[-1] <= len(self._buffer):
             self.counters.crc_failures += 1
-        return _NoFrame.REJECTED
 
     def _accept(self, start: int, frame: Frame) -> None:
         self._close_gap(start)
@@ -183,7 +187,7 @@ class Framer:
         self.counters.frame_bytes += len(frame.data)
 
     def _close_gap(self, end: int) -> None:
-        """Count the bytes from the gap to end, none of which is in a frame."""
+        """Count the bytes of the gap, up to end, as unknown frames or skipped bytes."""
         self._close_unknown(end)
         self._unknown_candidates.clear()
         self.counters.skipped_bytes += end - self._gap

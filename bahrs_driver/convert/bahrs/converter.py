@@ -173,18 +173,20 @@ class BahrsConverter:
         self._accuracy.count_navigation()
         sample = self._sample_of(message, stamp_ns)
         yield from self._changes(message, sample.stamp_ns)
-        height, velocity, roll, pitch, heading = \
+        height_factor, velocity_factor, roll_factor, pitch_factor, heading_factor = \
             self._options.integrity_policy.variance_factors(message.health)
-        if height is not None:
-            yield from self._height(message.pressure_height, height, sample.stamp_ns)
-        if velocity is not None:
-            yield from self._velocity(message.velocity_down, velocity, sample.stamp_ns)
-        tilt = None if roll is None or pitch is None else max(roll, pitch)
-        yield from self._attitude(message, sample, tilt, heading)
-        if tilt is not None and heading is not None and self._options.publish_field:
-            yield from self._field(message, max(tilt, heading), sample.stamp_ns)
+        if height_factor is not None:
+            yield from self._height(message.pressure_height, height_factor, sample.stamp_ns)
+        if velocity_factor is not None:
+            yield from self._velocity(message.velocity_down, velocity_factor, sample.stamp_ns)
+        tilt_factor = None if roll_factor is None or pitch_factor is None \
+            else max(roll_factor, pitch_factor)
+        yield from self._attitude(message, sample, tilt_factor, heading_factor)
+        if tilt_factor is not None and heading_factor is not None and self._options.publish_field:
+            yield from self._field(message, max(tilt_factor, heading_factor), sample.stamp_ns)
         yield 'heading', ros.number(
-            math.nan if heading is None else math.degrees(message.magnetic_heading) % 360.0)
+            math.nan if heading_factor is None
+            else math.degrees(message.magnetic_heading) % 360.0)
 
     def _sample_of(self, message: Navigation, stamp_ns: int) -> _Sample:
         """Return the inertial sample of a navigation message, or one without values."""
@@ -227,17 +229,18 @@ class BahrsConverter:
         yield 'velocity', ros.vertical_twist(ros.header(stamp_ns, options.world_frame_id), z,
                                              options.velocity_stddev * math.sqrt(factor))
 
-    def _attitude(self, message: Navigation, sample: _Sample, tilt: VarianceFactor,
-                  heading: VarianceFactor) -> Outgoing:
-        if tilt is None:
+    def _attitude(self, message: Navigation, sample: _Sample, tilt_factor: VarianceFactor,
+                  heading_factor: VarianceFactor) -> Outgoing:
+        if tilt_factor is None:
             yield 'imu/data', self._imu(sample, None, covariance.NOT_REPORTED)
             return
-        yaw = 0.0 if heading is None else message.magnetic_heading + self._options.declination
+        yaw = 0.0 if heading_factor is None \
+            else message.magnetic_heading + self._options.declination
         rotation = quaternion_from_euler(message.roll, message.pitch, yaw)
         self._orientation = same_sign(self._options.convention.orientation(rotation),
                                       self._orientation)
         yield 'imu/data', self._imu(sample, self._orientation,
-                                    self._accuracy.matrix(tilt, heading))
+                                    self._accuracy.matrix(tilt_factor, heading_factor))
 
     def _field(self, message: Navigation, factor: float, stamp_ns: int) -> Outgoing:
         options, accuracy = self._options, self._accuracy

@@ -58,20 +58,21 @@ class OrientationAccuracy:
         """Return the inflated standard deviation of the heading, in rad."""
         return self._inflated(self._message.heading_std, factor)
 
-    def matrix(self, tilt: float, heading: VarianceFactor) -> Matrix:
-        """Return the covariance for the variance factors of roll and pitch, and of heading."""
-        key = tilt, heading
+    def matrix(self, tilt_factor: float, heading_factor: VarianceFactor) -> Matrix:
+        """Return the covariance of the orientation, inflated by the variance factors."""
+        key = tilt_factor, heading_factor
         matrix = self._matrices.get(key)
         if matrix is None:
-            matrix = self._matrices[key] = self._matrix(tilt, heading)
+            matrix = self._matrices[key] = self._matrix(tilt_factor, heading_factor)
         return matrix
 
-    def _matrix(self, tilt: float, heading: VarianceFactor) -> Matrix:
-        north, east = self.north(tilt), self._inflated(self._message.east_std, tilt)
-        if heading is None:
+    def _matrix(self, tilt_factor: float, heading_factor: VarianceFactor) -> Matrix:
+        north = self.north(tilt_factor)
+        east = self._inflated(self._message.east_std, tilt_factor)
+        if heading_factor is None:
             larger = UNKNOWN_VARIANCE if north is None or east is None else max(north, east) ** 2
             return covariance.diagonal((larger, larger, UNKNOWN_VARIANCE))
-        down = self.heading(heading)
+        down = self.heading(heading_factor)
         if north is east is down is None:
             return covariance.UNKNOWN
         return self._rotated(*(UNKNOWN_VARIANCE if deviation is None else deviation ** 2

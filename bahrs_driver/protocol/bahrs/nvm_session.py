@@ -12,13 +12,13 @@ writes to no port. It only reads: the protocol has no message that writes to the
     FINISHED   all pages are in `pages`, or `error` has the reason why they are not
 
 Known firmware accepts a request to enter only within half a second of power-on. So the session
-repeats it for a long time, and the user is asked to switch the device off and on. Devices differ
-in the padding and CRC of service frames (see frames), so the session tries all variants; the CRC
-of the answer shows the right one. A device that streams while it should be read has left the mode
-or was restarted, and is requested to enter again, a few times. A device that does not answer a
-request to leave leaves by itself five seconds after the last request.
+repeats it for a long time, and the user must switch the device off and on. Devices differ in the
+padding and CRC of service frames (see frames), so the session tries all variants; the CRC of the
+answer shows the right one. If the device streams during READING, it has left the mode or was
+restarted, and the session enters the mode again, a few times. If it does not answer a request to
+leave, it leaves the mode by itself five seconds after the last request.
 
-Every session ends, whatever the device does: entering, reading and leaving have time limits.
+Every session ends, because entering, reading and leaving have time limits.
 """
 
 from collections.abc import Sequence
@@ -49,7 +49,7 @@ ENTER_INTERVAL = 50 * NS_PER_MS       # between requests to enter
 ANSWER_TIMEOUT = 100 * NS_PER_MS      # twice what a page, a slow device and an adapter need
 READ_TIME = 10 * NS_PER_S            # for reading, and for entering after a power cycle
 PAGE_TIME = 500 * NS_PER_MS           # added for each page, ten times what a slow adapter needs
-LOSS_TIME = 3 * NS_PER_S             # after a failed write, until a lost link is reported
+LOSS_TIME = 3 * NS_PER_S             # from a failed write to the end of the session
 ATTEMPTS = 40               # requests for a page without any answer
 REFUSALS = 3                # consecutive refusals of a page
 LEAVE_ATTEMPTS = 10
@@ -152,15 +152,16 @@ class NvmSession:
 
     def record_write(self, error: str, now: int) -> None:
         """
-        End the session if a request was not written; error is empty if it was.
+        Record the result of a write; error is empty if it succeeded.
 
-        The reader of a lost link reports a better reason shortly after, and calls abandon().
+        A failed write ends the session LOSS_TIME later. Before that, the reader of a lost link may
+        call abandon() with a better reason.
         """
         if error and not self._write_error:
             self._write_error, self._write_deadline = error, now + LOSS_TIME
 
     def receive(self, message: Message, checksum: str, now: int) -> None:
-        """Process a message of the device; checksum is the name of that of its frame."""
+        """Process a message of the device; checksum is the name of its frame's checksum."""
         if isinstance(message, Inertial):
             self._count_stream(now)
         elif isinstance(message, Acknowledgement):
@@ -207,7 +208,7 @@ class NvmSession:
         return b''.join(self._encode(ExitDiagnostics(), variant) for variant in self._variants)
 
     def _count_stream(self, now: int) -> None:
-        # A part of the stream still arrives after the device has entered the mode.
+        # A few messages of the stream still arrive after the device has entered the mode.
         self._streamed += 1
         if self._streamed < STREAM_FRAMES:
             return
@@ -222,12 +223,12 @@ class NvmSession:
 
     def _process_acknowledgement(self, message: Acknowledgement, checksum: str,
                                  now: int) -> None:
-        asked = message.acknowledged
-        if asked == EnterDiagnostics.TYPE and self.state is SessionState.ENTERING:
+        request = message.acknowledged
+        if request == EnterDiagnostics.TYPE and self.state is SessionState.ENTERING:
             self._process_entry(message.status, checksum, now)
-        elif asked == NvmReadRequest.TYPE and self.state is SessionState.READING:
+        elif request == NvmReadRequest.TYPE and self.state is SessionState.READING:
             self._process_refusal(message.status, now)
-        elif asked == ExitDiagnostics.TYPE and self.state is SessionState.LEAVING:
+        elif request == ExitDiagnostics.TYPE and self.state is SessionState.LEAVING:
             self.state = SessionState.FINISHED
 
     def _process_entry(self, status: int, checksum: str, now: int) -> None:
@@ -235,7 +236,8 @@ class NvmSession:
             self._leave(now, f'the device refuses diagnostics mode (status {status})')
             return
         self._entries += 1
-        self._variants = [v for v in self._variants if v.checksum == checksum] or self._variants
+        self._variants = [variant for variant in self._variants
+                          if variant.checksum == checksum] or self._variants
         self._next_variant = cycle(self._variants)
         self._change_state(SessionState.READING, now)
 
