@@ -11,13 +11,13 @@ byte began to leave at the latest at
 
 Each read that brought a part of the frame gives such a bound, including a read that brought only
 its beginning: the adapter was then read in the middle of the frame, with little delay. The
-smallest bound counts. As t - P * byte time is the same for all frames, only the reads that are
-the minimum of it from some point on need to be remembered.
+smallest bound is used. As t - P * byte time does not depend on the frame, a read is forgotten as
+soon as a later one has a smaller or equal value.
 """
 
 from collections import deque
 
-MAX_READS = 64      # remembered; with more, bounds are less tight and still true
+MAX_READS = 64      # remembered; after more reads, bounds are still true, but less tight
 
 
 class ByteBounds:

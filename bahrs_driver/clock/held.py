@@ -3,9 +3,9 @@
 """
 Messages in the order of the stream, held until the first of them can be stamped.
 
-Samples are held until device time is known. Messages behind them in the stream are held as well,
-even if they need no time: an accuracy message applies to the navigation messages behind it, not
-to those before it, wherever the adapter cuts the stream.
+Samples are held until device time is known. Later messages are held as well, even if they need no
+time: an accuracy message applies to the navigation messages after it, not to those before it, and
+the order must not depend on where the adapter cuts the stream.
 """
 
 from typing import Any

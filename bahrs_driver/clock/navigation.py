@@ -4,10 +4,10 @@
 The sample that a navigation message was computed from.
 
 With two samples per navigation message, `sample - 2 * navigation` of the sequence counters (modulo
-256) is constant for as long as the device runs: 0, as both counters start at 0. Each pair of
-neighbours in the stream gives it, but one of a pair may be lost. At first the most frequent value
-of the last few pairs counts, where 0 starts with two votes; once five in a row have agreed, only
-another five in a row change it.
+256) is constant for as long as the device runs: 0, as both counters start at 0. Each navigation
+message and the sample before it show it, but the true sample may be lost. At first the most
+frequent of the latest five differences is used, and 0 starts with two votes. After five equal ones
+in a row, only another five in a row change it.
 """
 
 from collections import deque

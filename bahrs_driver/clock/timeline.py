@@ -64,7 +64,7 @@ class Timeline:
             self._tolerance = JITTER / samples
 
     def move(self, count: int, time: int) -> None:
-        """Use a time message as the only anchor, and keep the period: counts were lost."""
+        """Replace all time messages by one, and keep the period: the count was lost."""
         self._history.clear()
         self._history.append((count, time))
         self._count, self._time = count, time

@@ -39,7 +39,7 @@ ABOVE_WEIGHT = 4.0                      # factor on the variance of a bucket abo
 
 
 class Bucket(NamedTuple):
-    """The smallest sample of half a second: device time, offset, and the gap to the next."""
+    """The smallest sample of half a second, and its gap to the second smallest in ns."""
 
     time: int
     offset: int
@@ -67,8 +67,9 @@ def smooth(buckets: Sequence[Bucket]) -> OffsetCurve:
     spreads = _spreads(buckets)
     accepted, jumps = _both_ways(buckets, spreads)
     base, kept = buckets[0].offset, sorted(accepted)
-    jump_variances = [JUMP_DEVIATION ** 2 * any(before < jump <= index for jump in jumps)
-                      for before, index in zip([-1, *kept], kept)]
+    # The smoother sees kept buckets only: a jump applies to the first one at or after it.
+    jump_variances = [JUMP_DEVIATION ** 2 * any(previous < jump <= index for jump in jumps)
+                      for previous, index in zip([-1, *kept], kept)]
     weights = [1.0] * len(kept)
     for _ in range(ROUNDS):
         states = rts_smooth([
