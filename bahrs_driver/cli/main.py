@@ -17,7 +17,7 @@ from bahrs_driver.process.printable import printable
 from bahrs_driver.process.shutdown_event import ignore_signals
 from bahrs_driver.process.standard_streams import replace_closed_streams
 from bahrs_driver.ros.start import check_import, missing_module
-from bahrs_driver.settings.command_line import split
+from bahrs_driver.settings.command_line import split_arguments
 
 # Each verb is the module of its name. Only the chosen module is imported: verbs that need no ROS
 # work without it.
@@ -62,7 +62,7 @@ def main(args: list[str] | None = None) -> int:
     """Run one verb; 0 on success, 1 on failure, 2 for a wrong command line."""
     if args is None:
         replace_closed_streams()
-    words, for_ros = split(sys.argv[1:] if args is None else args)
+    words, for_ros = split_arguments(sys.argv[1:] if args is None else args)
     if isinstance(sys.stdout, TextIOWrapper):       # names of files may be any bytes
         sys.stdout.reconfigure(errors='backslashreplace')
     verb = words[0] if words else ''

@@ -37,7 +37,7 @@ class MagneticField(Group):
 
 @dataclass(frozen=True)
 class Publish(Group):
-    """What is published."""
+    """Settings of the published messages."""
 
     incomplete: Literal['nan', 'withhold'] = setting(
         'nan', 'What becomes of a message in which a component is not available: nan publishes it '
@@ -50,11 +50,11 @@ class Publish(Group):
 
 @dataclass(frozen=True)
 class Startup(Group):
-    """What happens before the port is opened."""
+    """Settings of the start, before the port is opened."""
 
     wait_for_subscribers: float = setting(
         0.0, 'Longest time to wait, before the port is opened, until each data topic has a '
-        'subscriber, so that a recorder that was started first misses nothing; 0 does not wait.',
+        'subscriber: a recorder that was started first then misses nothing. 0 does not wait.',
         's', low=0.0, high=60.0)
 
 
@@ -66,8 +66,8 @@ class Diagnostics(Group):
         1.0, 'Time without a byte, or without a data message, from which on the device is '
         'reported as silent.', 's', low=0.1, high=60.0)
     rate_tolerance: float = setting(
-        0.05, 'Share by which the rate of a message may differ from what is expected without a '
-        'warning.', low=0.0, high=1.0)
+        0.05, 'Share by which the rate of a message may differ from the expected rate without '
+        'a warning.', low=0.0, high=1.0)
     damaged_share: float = setting(
         0.1, 'Share of damaged frames above which the line is reported as unusable; below, any '
         'damaged frame is a warning.', low=0.0, high=1.0)
@@ -79,7 +79,7 @@ class Diagnostics(Group):
 
 @dataclass(frozen=True)
 class Time(Group):
-    """How stamps are made."""
+    """Settings of the stamps."""
 
     source: Literal['device', 'sync_pulse', 'arrival'] = setting(
         'device', 'What stamps are made of: device puts device time on ROS time from when samples '
@@ -105,7 +105,7 @@ class CommonSettings(DeviceSettings):
         'map', 'Frame of altitude/pose, velocity and odometry, level with its z axis vertical.',
         is_frame=True)
     frame_convention: Literal['enu', 'ned'] = setting(
-        'enu', 'Axes of what is published: enu for body forward, left, up and world east, north, '
+        'enu', 'Axes of published data: enu for body forward, left, up and world east, north, '
         'up (REP-103); ned for body forward, right, down and world north, east, down.')
     stddev: Stddev = Stddev()
     magnetic_field: MagneticField = MagneticField()

@@ -15,7 +15,7 @@ from bahrs_driver.process.shutdown_event import end_process, EXIT_TIME, Shutdown
 from bahrs_driver.ros.executor import StoppableExecutor
 from bahrs_driver.ros.start import init_ros
 from bahrs_driver.ros.start_errors import start_errors
-from bahrs_driver.settings.command_line import RosArguments, split
+from bahrs_driver.settings.command_line import RosArguments, split_arguments
 from bahrs_driver.settings.parameter_files import is_pipe
 import rclpy
 from rclpy.utilities import remove_ros_args
@@ -94,7 +94,7 @@ def _host_clock_offset() -> float:
 
 def _check_arguments(words: list[str]) -> None:
     """Raise the errors of rcl about its arguments without its log lines."""
-    own = split(words)[0][1:]
+    own = split_arguments(words)[0][1:]
     if own:
         raise ParameterError(f'{printable(repr(own[0]))} is not understood: parameters are given '
                              'as --ros-args -p port:=/dev/ttyUSB0')

@@ -1,11 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Settings as frozen dataclasses, and the parameters that they stand for.
+Settings as frozen dataclasses, each setting with the description of its parameter.
 
-Each field of a dataclass is a setting, made by setting(), or a group of settings. The parameter of
-a setting has the names of its groups and its own, with dots between: time.source is the field
-source of the group time. The choices of a setting are those of its Literal type.
+A field of a dataclass is either a setting, declared with setting(), or a group of settings. The
+name of a parameter is the path to its field: time.source is the field source of the group time. A
+setting with a Literal type accepts only the values of that type.
 """
 
 from collections.abc import Iterator, Mapping
@@ -14,7 +14,7 @@ from typing import get_args, TypeVar
 
 from bahrs_driver.settings.parameter import Parameter, Value
 
-ROW = 'parameter'           # key of the metadata of a field
+METADATA_KEY = 'parameter'
 
 Default = TypeVar('Default', bound=Value)
 
@@ -32,42 +32,46 @@ class DeviceSettings(Group):
     """All settings of one device."""
 
     def unused(self) -> Iterator[tuple[str, str]]:
-        """Yield the parameters that have no effect beside the others, each with the reason."""
+        """Yield the parameters that the other values make ineffective, each with the reason."""
         yield from ()
 
     def for_recording(self: GroupType) -> GroupType:
-        """Return the settings with which recorded data is converted."""
+        """Return these settings as the conversion of recorded data needs them."""
         return self
 
     def for_file(self: GroupType) -> GroupType:
-        """Return the settings that the parameter file in config/ recommends."""
+        """Return these settings with the values that the parameter file in config/ recommends."""
         return self
 
 
 def setting(default: Default, description: str, unit: str = '', *,
             low: float | None = None, high: float | None = None, or_zero: bool = False,
             read_only: bool = True, is_frame: bool = False) -> Default:
-    """Return the field of a setting; see Parameter for the arguments."""
+    """Declare a setting as a field of a Group; see Parameter for the arguments."""
     row = Parameter('', default, description, unit, low, high, or_zero,
                     read_only=read_only, is_frame=is_frame)
-    return field(default=default, metadata={ROW: row})
+    return field(default=default, metadata={METADATA_KEY: row})
 
 
 def parameters(group: Group, prefix: str = '') -> Iterator[Parameter]:
-    """Yield the parameters of the settings in a group, with their values as defaults."""
+    """Yield the parameters of a group; the values of the group become their defaults."""
     for item in fields(group):
         name, value = prefix + item.name, getattr(group, item.name)
         if isinstance(value, Group):
             yield from parameters(value, f'{name}.')
         else:
-            yield replace(item.metadata[ROW], name=name, default=value,
+            yield replace(item.metadata[METADATA_KEY], name=name, default=value,
                           choices=get_args(item.type))
 
 
 def from_values(kind: type[GroupType], values: Mapping[str, Value],
                 prefix: str = '') -> GroupType:
-    """Return settings from the values of their parameters."""
-    return replace(kind(), **{
-        item.name: from_values(type(item.default), values, f'{prefix}{item.name}.')
-        if isinstance(item.default, Group) else values[prefix + item.name]
-        for item in fields(kind)})
+    """Create a group from the values of its parameters: the inverse of parameters()."""
+    found: dict[str, object] = {}
+    for item in fields(kind):
+        name = prefix + item.name
+        if isinstance(item.default, Group):
+            found[item.name] = from_values(type(item.default), values, f'{name}.')
+        else:
+            found[item.name] = values[name]
+    return replace(kind(), **found)

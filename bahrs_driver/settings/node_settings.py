@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The parameters of the node: declared with the values that the user gave, or the defaults."""
+"""Declare the parameters of the node, with the values that the user gave or the defaults."""
 
 from collections.abc import Iterator
 from typing import Generic
@@ -17,7 +17,7 @@ from rclpy.node import Node
 
 
 class NodeSettings(Generic[Settings]):
-    """The parameters of a node, and the settings that they stand for."""
+    """The declared parameters of a node, and the settings made from them."""
 
     def __init__(self, node: ParameterNode, arguments: RosArguments,
                  table: ParameterTable[Settings]) -> None:
@@ -36,9 +36,9 @@ class NodeSettings(Generic[Settings]):
 
     def warnings(self) -> Iterator[str]:
         """
-        Yield sentences about settings that are used in another form, or not at all.
+        Yield warnings about values that are corrected, and about settings without effect.
 
-        The node must have all its publishers, subscriptions and services.
+        Call it after the node has created all publishers, subscriptions and services.
         """
         given = self._node.given
         for parameter in self.table:
@@ -77,6 +77,6 @@ def descriptor(parameter: Parameter) -> ParameterDescriptor:
 
 
 def read_group(node: Node, kind: type[GroupType], prefix: str) -> GroupType:
-    """Return a group of settings with the values that its parameters have now."""
-    return from_values(kind, {row.name: node.get_parameter(row.name).value
-                              for row in parameters(kind(), prefix)}, prefix)
+    """Read the current values of the parameters of a group."""
+    return from_values(kind, {parameter.name: node.get_parameter(parameter.name).value
+                              for parameter in parameters(kind(), prefix)}, prefix)

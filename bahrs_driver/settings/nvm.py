@@ -10,7 +10,7 @@ from bahrs_driver.settings.group import Group, setting
 
 @dataclass(frozen=True)
 class Nvm(Group):
-    """What the services read and write; read again at each call unless it is read only."""
+    """Settings of the services, which read them again at each call unless they are read only."""
 
     page: int = setting(0, 'Page that the service ~/nvm/read_page reads.', low=0, high=249,
                         read_only=False)
@@ -24,5 +24,5 @@ class Nvm(Group):
         'of power-on: call the service, then switch the device off and on.', 's',
         low=1.0, high=600.0, read_only=False)
     service_frames: Literal['auto', 'crc32', 'mpeg2', 'crc32_padded', 'mpeg2_padded'] = setting(
-        'auto', 'Checksum and padding of what is sent to the device: auto tries all, those of the '
-        "maker's tool (crc32) first, then those of the document (mpeg2_padded).", read_only=False)
+        'auto', 'Checksum and padding of frames to the device: auto tries all, first those of the '
+        "manufacturer's tool (crc32), then those of the document (mpeg2_padded).", read_only=False)

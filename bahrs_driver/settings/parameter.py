@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""One parameter: its name, default and limits, and the check of a value that the user gave."""
+"""One parameter: its name, default and limits, and the validation of a given value."""
 
 from dataclasses import dataclass
 import math
@@ -26,14 +26,14 @@ class Parameter:
     unit: str = ''
     low: float | None = None
     high: float | None = None
-    or_zero: bool = False           # 0 is valid, too, though below low
+    or_zero: bool = False           # 0 is valid, too
     choices: tuple[str, ...] = ()
     read_only: bool = True          # or a service reads it when it is called
     is_frame: bool = False          # a frame id of tf2
 
     @property
     def valid(self) -> str:
-        """Return the valid values as messages describe them."""
+        """Describe the valid values, for messages."""
         unit = self.unit and ' ' + self.unit
         if self.choices:
             return ' or '.join(repr(choice) for choice in self.choices)
@@ -48,7 +48,7 @@ class Parameter:
         return _TYPE_NAMES[type(self.default)]
 
     def convert(self, given: object) -> Value:
-        """Return a value in the form that the driver uses; ParameterError if it is not valid."""
+        """Validate and normalize a given value; ParameterError if it is invalid."""
         value = given
         if isinstance(self.default, float) and type(given) is int:
             value = _to_float(given)
@@ -80,7 +80,7 @@ class Parameter:
 
 
 def shown(value: object) -> str:
-    """Return a value as the user could have written it, on one short line."""
+    """Format a value as a user writes it, on one short line."""
     # rcl returns None for an empty list or map.
     return '[]' if value is None else printable(repr(value), LONGEST_VALUE)
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""A node that knows which parameters the user gave."""
+"""A node that knows the parameter values that the user gave."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -13,10 +13,10 @@ from rclpy.parameter import Parameter
 
 class ParameterNode(Node):
     """
-    A node that keeps the values of its command line and parameter files, and declares none.
+    A node that keeps the values of its command line and parameter files in `given`.
 
-    On request rclpy declares all of them when it creates a node, also unknown ones. This class
-    overrides the method that rclpy calls for that.
+    rclpy offers no other access to them than declaring all of them, even unknown ones, when it
+    creates a node. This class overrides the method that rclpy calls for that.
     """
 
     def __init__(self, arguments: RosArguments, context: Context | None = None) -> None:
@@ -28,7 +28,7 @@ class ParameterNode(Node):
 
     def declare_parameters(self, namespace: str, parameters: Sequence[tuple[Any, ...]],
                            ignore_override: bool = False) -> list[Parameter]:
-        """Declare parameters. Called by rclpy for the given values, keep those instead."""
+        """Declare parameters; store the given values instead if rclpy is creating the node."""
         if ignore_override and not self._is_created:
             self.given = {name: value for name, value, _ in parameters}
             return []

@@ -1,9 +1,9 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Every parameter of the node, in one table: those of all devices, and `sensor`, which chooses one.
+The table of all parameters: those of every device, and `sensor`, which selects the device.
 
-The table is what the node declares, what `ros2 param describe` shows, and what the README lists.
+The node declares them, `ros2 param describe` shows them, and the README lists them.
 Parameters are read once, when the driver starts, except for those that a service reads when it is
 called.
 """
@@ -26,7 +26,7 @@ class ParameterTable(Generic[Settings]):
     """The parameters of some devices, each with the dataclass of its settings."""
 
     def __init__(self, devices: Mapping[str, type[Settings]]) -> None:
-        """Raise ValueError if two devices define different parameters of one name."""
+        """Merge the parameters; ValueError if two devices define one name differently."""
         self._devices = devices
         sensor = Parameter(SENSOR, next(iter(devices)), 'Which device is on the port.',
                            choices=tuple(devices))
@@ -44,24 +44,24 @@ class ParameterTable(Generic[Settings]):
         return iter(self.by_name.values())
 
     def values(self, given: Mapping[str, object]) -> dict[str, Value]:
-        """Return the values of all parameters; ParameterError if one that is given is invalid."""
+        """Return the value of every parameter; ParameterError if a given one is invalid."""
         return {row.name: row.convert(given[row.name]) if row.name in given else row.default
                 for row in self}
 
     def settings(self, values: Mapping[str, Value]) -> tuple[str, Settings]:
-        """Return the name and the settings of the device that the values choose."""
+        """Return the name and the settings of the device that the values select."""
         sensor = str(values[SENSOR])
         return sensor, from_values(self._devices[sensor], values)
 
     def why_unused(self, name: str, sensor: str, settings: DeviceSettings) -> str | None:
-        """Return why a parameter has no effect beside the settings; None if it has one."""
+        """Return why a parameter has no effect with these settings; None if it has one."""
         if name != SENSOR and name not in (row.name for row in parameters(settings)):
             return f'sensor is {sensor}'
         return dict(settings.unused()).get(name)
 
     def unused(self, names: Collection[str], sensor: str,
                settings: DeviceSettings) -> Iterator[str]:
-        """Yield those of some parameters that have no effect, each with the reason."""
+        """Yield the named parameters that have no effect, each with the reason."""
         for name in self.by_name:
             reason = self.why_unused(name, sensor, settings) if name in names else None
             if reason:
@@ -69,7 +69,7 @@ class ParameterTable(Generic[Settings]):
 
 
 def unknown_parameter(name: str, known: Iterable[str]) -> str:
-    """Return an unknown name, with the parameter that was probably meant."""
+    """Describe an unknown name, with the known name closest to it."""
     near = get_close_matches(name, known, n=1)
     kind = 'there is no such publisher, subscription or policy' if name.startswith(QOS_PREFIX) \
         else 'there is no such parameter'

@@ -24,7 +24,7 @@ _TYPES = ('bool', 'int', 'double', 'string', 'array')       # in the order of pr
 
 
 class _Definition(NamedTuple):
-    """A value of a parameter for a node, as written."""
+    """A value of a parameter, with the pattern of the nodes that it is for."""
 
     node: str
     name: str
@@ -32,18 +32,18 @@ class _Definition(NamedTuple):
     text: str
 
 
-def lost_values(arguments: RosArguments, node: str) -> Iterator[str]:
+def ignored_values(arguments: RosArguments, node: str) -> Iterator[str]:
     """Yield the last values for a fully qualified node name that rcl does not use."""
-    earlier: dict[tuple[str, str], set[str]] = {}
-    lost: dict[tuple[str, str], str] = {}
+    types_seen: dict[tuple[str, str], set[str]] = {}
+    ignored: dict[tuple[str, str], str] = {}
     for definition in _definitions(arguments):
         key = definition.node, definition.name
-        types = earlier.setdefault(key, set())
+        types = types_seen.setdefault(key, set())
         types.add(definition.kind)
-        lost.pop(key, None)
+        ignored.pop(key, None)          # only the last value of a parameter matters
         if min(types, key=_TYPES.index) != definition.kind:
-            lost[key] = f'{definition.name}: {definition.text}'
-    for (owner, name), text in lost.items():
+            ignored[key] = f'{definition.name}: {definition.text}'
+    for (owner, name), text in ignored.items():
         if matches_node(owner, node) and name not in arguments.last_rules:
             yield (f'{printable(text)} (rcl uses an earlier value of another type: write both '
                    'in the same form)')
@@ -54,14 +54,14 @@ def _definitions(arguments: RosArguments) -> Iterator[_Definition]:
         try:
             if flag == FILE_FLAG:
                 for document in yaml.compose_all(load_text(source) or '', Loader=yaml.SafeLoader):
-                    yield from _of_nodes(document, '')
+                    yield from _in_document(document, '')
             else:
-                yield from _of_rule(source)
+                yield from _in_rule(source)
         except (OSError, ValueError, RecursionError, yaml.YAMLError):
             continue                    # rcl reports it
 
 
-def _of_rule(rule: str) -> Iterator[_Definition]:
+def _in_rule(rule: str) -> Iterator[_Definition]:
     name, _, text = rule.partition(':=')
     owner, _, name = name.rpartition(':')
     value = yaml.compose(text, Loader=yaml.SafeLoader)
@@ -69,18 +69,18 @@ def _of_rule(rule: str) -> Iterator[_Definition]:
         yield _Definition(owner or '/**', name, _type(value), text)
 
 
-def _of_nodes(tree: yaml.Node, prefix: str) -> Iterator[_Definition]:
+def _in_document(tree: yaml.Node, prefix: str) -> Iterator[_Definition]:
     for key, value in _items(tree):
         if key.startswith(VALUES_KEY):
-            yield from _of_parameters(value, prefix, '')
+            yield from _in_parameters(value, prefix, '')
         else:
-            yield from _of_nodes(value, f'{prefix}/{key}' if prefix else key)
+            yield from _in_document(value, f'{prefix}/{key}' if prefix else key)
 
 
-def _of_parameters(tree: yaml.Node, node: str, prefix: str) -> Iterator[_Definition]:
+def _in_parameters(tree: yaml.Node, node: str, prefix: str) -> Iterator[_Definition]:
     for key, value in _items(tree):
         if isinstance(value, yaml.MappingNode):
-            yield from _of_parameters(value, node, f'{prefix}{key}.')
+            yield from _in_parameters(value, node, f'{prefix}{key}.')
         else:
             yield _Definition(node, prefix + key, _type(value), str(value.value))
 

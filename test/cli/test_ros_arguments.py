@@ -4,7 +4,7 @@
 
 from bahrs_driver.cli.main import ROS_NODES, VERBS
 from bahrs_driver.cli.ros_arguments import namespace
-from bahrs_driver.settings.command_line import split
+from bahrs_driver.settings.command_line import split_arguments
 from hypothesis import given, strategies as st
 import pytest
 from rclpy.utilities import remove_ros_args
@@ -23,7 +23,7 @@ LAUNCHED = ['--ros-args', '-r', '__node:=launched', '-r', '__ns:=/left', '-p', '
 ])
 def test_split(words, own, for_ros):
     """As rcl does it."""
-    assert split(words) == (own, for_ros)
+    assert split_arguments(words) == (own, for_ros)
 
 
 @given(st.lists(st.sampled_from(['--ros-args', '--', 'file', '--json', '--enable-rosout-logs'])))
@@ -33,7 +33,7 @@ def test_what_is_left_is_what_rclpy_leaves(words):
         left = remove_ros_args(['bahrs', *words])
     except Exception:           # rclpy parses what is for ROS, too
         return
-    assert split(words)[0] == left[1:]
+    assert split_arguments(words)[0] == left[1:]
 
 
 @pytest.mark.parametrize('words, found', [

@@ -4,7 +4,7 @@
 
 from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.parameter_node import ParameterNode
-from bahrs_driver.settings.type_clashes import lost_values
+from bahrs_driver.settings.type_clashes import ignored_values
 from hypothesis import given, settings, strategies as st
 from rclpy.context import Context
 from support.starting import start
@@ -30,7 +30,7 @@ def used(words):
 
 def lost(words):
     """Return the sentences about a command line."""
-    return list(lost_values(RosArguments.from_words(words), '/bahrs_driver'))
+    return list(ignored_values(RosArguments.from_words(words), '/bahrs_driver'))
 
 
 SOURCES = st.lists(st.tuples(st.sampled_from(['rule', *KEYS]), st.sampled_from(sorted(VALUES))),

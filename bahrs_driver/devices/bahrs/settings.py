@@ -39,7 +39,7 @@ class MagneticField(common.MagneticField):
 
 @dataclass(frozen=True)
 class Publish(common.Publish):
-    """What is published."""
+    """Settings of the published messages."""
 
     derived_magnetic_field: bool = setting(
         True, 'Whether to publish imu/mag for a device that reports a heading but no field.')

@@ -23,10 +23,10 @@ class Stddev(common.Stddev):
     """Assumed standard deviations; 0 is unknown."""
 
     attitude: float = setting(
-        0.02, 'Standard deviation of roll and pitch of a titan_m. Nobody has measured it; 0 is '
+        0.02, 'Standard deviation of roll and pitch of a titan_m: assumed, not measured; 0 is '
         'unknown.', 'rad', low=0.0, high=4.0)
     heading: float = setting(
-        0.05, 'Standard deviation of the heading of a titan_m. Nobody has measured it; 0 is '
+        0.05, 'Standard deviation of the heading of a titan_m: assumed, not measured; 0 is '
         'unknown.', 'rad', low=0.0, high=4.0)
     position: float = setting(
         2.5, 'Standard deviation of each horizontal component of a position by GPS; 0 is '
@@ -92,13 +92,13 @@ class Request(Group):
         False, 'Whether one request of each kind may be under way at once, rather than one at '
         'all: for adapters that hold bytes back, if the device can take it.')
     timeout: float = setting(
-        0.2, 'How long to wait for an answer at most. Less, once it is known how long answers '
-        'take.', 's', low=0.01, high=5.0)
-    retries: int = setting(1, 'How often to repeat a request that is not answered.',
+        0.2, 'Longest time to wait for an answer. It is shortened when the response time of the '
+        'device is known.', 's', low=0.01, high=5.0)
+    retries: int = setting(1, 'Number of times to repeat an unanswered request.',
                            low=0, high=10)
     message_id: Literal['zero', 'counted'] = setting(
         'zero', 'Message id of requests: zero, byte for byte as in the protocol document, or '
-        'counted, which lets late answers be told if the device sends ids back.')
+        'counted, to identify late answers if the device returns ids.')
 
 
 @dataclass(frozen=True)
@@ -111,8 +111,8 @@ class TitanMSettings(common.CommonSettings):
     gps: Gps = Gps()
     request: Request = Request()
     payload_order: ByteOrder = setting(
-        'auto', 'Byte order of what a titan_m answers: auto tells by what its values can be, and '
-        'holds answers until it knows.')
+        'auto', 'Byte order of the payloads of a titan_m: auto detects it by plausible values, '
+        'and holds answers until then.')
     checksum_order: ByteOrder = setting(
         'auto', 'Byte order of the checksums of a titan_m: auto takes either in answers, and in '
         'requests tries big, as printed in the protocol document, then little.')
