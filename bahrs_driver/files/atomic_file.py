@@ -3,10 +3,10 @@
 """
 Files that appear complete or not at all.
 
-The data goes into a temporary file beside the target, which is created before the work that makes
-the data, so that a directory that cannot be written into is found out first. commit() gives it
-the target's name. The directory is held open meanwhile: nothing that happens to its path, and no
-symbolic link put where the target was absent, leads the data elsewhere.
+The data goes into a temporary file beside the target, and commit() renames it. Create the file
+before the work that produces the data: a directory that is not writable is then reported first.
+The directory stays open meanwhile. If another program moves the directory or puts a symbolic link
+in its path, the data is still written to the directory that was checked.
 """
 
 import contextlib
@@ -23,14 +23,14 @@ _MODE = 0o666               # less what the umask takes
 
 
 class AtomicFile:
-    """A file that is written under a temporary name. Its context removes it without commit()."""
+    """A file with a temporary name until commit(); without commit(), close() removes it."""
 
     def __init__(self, directory: int, name: str, shown: PathLike, replace: bool) -> None:
         """
-        Create the temporary file for a name in an open directory, and own the descriptor.
+        Create the temporary file for a name in an open directory, whose descriptor it closes.
 
-        shown is the target as messages name it; replace allows a regular file in its place.
-        WriteError says why it cannot be written.
+        shown is the target as messages name it. With replace, the target may be a regular file.
+        WriteError if it cannot be written.
         """
         self._directory = directory
         self._name = name
@@ -53,12 +53,12 @@ class AtomicFile:
             self._file.write(data)
 
     def commit(self) -> None:
-        """Give the complete file its name; WriteError if that is not possible any more."""
+        """Rename the complete file to its target; WriteError if that has become impossible."""
         with guard(self._shown):
             self._file.flush()
             os.fsync(self._file.fileno())
             self._file.close()
-        # Replacing would remove a device or a link that another program has made meanwhile.
+        # Renaming would remove a device or a link that another program has created meanwhile.
         check_target(self._name, self._shown, self._replace, self._directory)
         if self._replace:
             self._rename()
@@ -72,7 +72,7 @@ class AtomicFile:
 
     def close(self) -> None:
         """Close the file, and remove it unless it was committed."""
-        with contextlib.suppress(OSError):      # its last bytes may have no room
+        with contextlib.suppress(OSError):      # no room for its last bytes
             self._file.close()
         if self._temporary is not None:
             with contextlib.suppress(OSError):
@@ -94,7 +94,7 @@ class AtomicFile:
         return os.open(name, _NEW, _MODE, dir_fd=self._directory)
 
     def _claim(self) -> None:
-        # Renaming replaces anything; only creating fails if something is there.
+        """Create an empty target: unlike renaming, that fails if there is one."""
         with guard(self._shown):
             try:
                 os.close(self._open_new(self._name))
@@ -123,10 +123,11 @@ def atomic_file(path: PathLike, replace: bool = False) -> AtomicFile:
 def atomic_file_inside(root: PathLike, path: PathLike, shown: PathLike,
                        replace: bool = False) -> AtomicFile:
     """
-    Create the temporary file for a path that must be inside a directory, where nothing leads out.
+    Create the temporary file for a path that must stay inside a root directory.
 
-    The path is relative to the root, or absolute; its symbolic links may lead to other directories
-    inside, but the target itself may not be one. WriteError if it cannot be written.
+    The path is absolute, or relative to the root. Symbolic links in it may lead to other
+    directories inside the root; the target itself may not be a link. WriteError if it cannot be
+    written.
     """
     with guard(shown):
         top = os.path.realpath(root)
@@ -146,7 +147,7 @@ def write_atomic(path: PathLike, data: bytes, replace: bool = False) -> None:
 
 
 def _open_beneath(top: str, inside: str) -> int:
-    """Open a directory beneath another without following links, which may be set meanwhile."""
+    """Open a directory beneath another; OSError if a part of the path has become a link."""
     directory = os.open(top, _DIRECTORY)
     for part in inside.split(os.sep):
         above = directory

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Check the targets of writing, and explain errors of the file system."""
+"""Check targets before they are written, and explain errors of the file system."""
 
 from collections.abc import Iterator
 import contextlib
@@ -47,9 +47,9 @@ def guard(target: PathLike, verb: str = 'write') -> Iterator[None]:
 
 def check_target(name: str, shown: PathLike, replace: bool, directory: int | None = None) -> None:
     """
-    Raise WriteError unless a name is free or, with replace, that of a regular file.
+    Raise WriteError unless a target is absent or, with replace, a regular file.
 
-    The name is relative to the descriptor of a directory, if there is one; links are not followed.
+    The name is relative to an open directory, if one is given. Links are not followed.
     """
     with guard(shown):
         try:
@@ -86,9 +86,9 @@ def refuse_new_device(path: PathLike) -> None:
 
 def named_target(path: PathLike) -> tuple[str, str]:
     """
-    Split a target of the user into directory and name; WriteError if it cannot be a file.
+    Split a path that the user named into directory and name; WriteError if it cannot be a file.
 
-    A symbolic link is followed to the file it leads to.
+    A symbolic link is resolved to its file.
     """
     with guard(path):
         if not os.path.islink(path):
@@ -106,14 +106,14 @@ def temporary_name() -> str:
 
 
 def sentence(error: Exception, target: PathLike, verb: str = 'write') -> str:
-    """Return a sentence about an exception that was raised while a target was written."""
+    """Explain in a sentence why a target cannot be written."""
     if isinstance(error, WriteError):
         return str(error)
     return f'cannot {verb} {printable(target)}: {reason(error)}'
 
 
 def reason(error: Exception) -> str:
-    """Return the reason of an exception, with the remedy."""
+    """Explain an exception, with the remedy."""
     if isinstance(error, OSError):
         remedy = REMEDIES.get(error.errno or 0)
         return printable(error.strerror or error) + (f': {remedy}' if remedy else '')

@@ -9,13 +9,13 @@ from bahrs_driver.errors import WriteError
 from bahrs_driver.files.guard import already_exists, check_target, guard, named_target, PathLike
 from bahrs_driver.process.printable import printable
 
-# A FIFO that has just replaced the file must not block.
-_HOW = os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
+# Opening must not block if a FIFO has just replaced the file.
+_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
 _MODE = 0o666               # less what the umask takes
 
 
 class LiveFile:
-    """A regular file that grows under its name. WriteError says why it cannot."""
+    """A regular file that has its final name from the start. All methods raise WriteError."""
 
     def __init__(self, path: PathLike, replace: bool = False) -> None:
         self._path = path
@@ -24,7 +24,7 @@ class LiveFile:
         check_target(target, path, replace)
         with guard(path):
             try:
-                descriptor = os.open(target, _HOW | (0 if replace else os.O_EXCL), _MODE)
+                descriptor = os.open(target, _FLAGS | (0 if replace else os.O_EXCL), _MODE)
             except FileExistsError as error:
                 raise already_exists(path) from error
             self._file = os.fdopen(descriptor, 'w', encoding='utf-8')

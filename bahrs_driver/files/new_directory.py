@@ -16,10 +16,10 @@ from bahrs_driver.files.guard import (
 @contextlib.contextmanager
 def new_directory(target: PathLike) -> Iterator[Path]:
     """
-    Yield the path of a directory to create; it is renamed to the target when the block ends.
+    Yield the path where the block must create the directory, and then rename that to the target.
 
-    If the block raises, nothing remains. WriteError if the target exists, before or after, or
-    cannot be made. Parent directories are created when missing.
+    If the block raises, nothing remains. WriteError if the target exists, before or after the
+    block, or cannot be made. Parent directories are created when missing.
     """
     parent, name = split_target(str(target).rstrip(os.sep) or str(target))
     scratch = Path(parent, temporary_name())
@@ -56,7 +56,7 @@ def _remove_empty(directory: str) -> None:
 
 
 def _move(made: Path, target: PathLike) -> None:
-    # Renaming replaces an empty directory; only creating it fails if there is one.
+    # Unlike renaming, which replaces an empty directory, creating fails if there is one.
     try:
         os.mkdir(target)
     except FileExistsError as error:

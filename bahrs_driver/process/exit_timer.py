@@ -1,7 +1,7 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-A time limit for the exit of a process that holds even if no Python code can run.
+End a process at a time limit, even if no Python code can run.
 
 Fast DDS waits for its shared memory until a time of the host's clock. If that clock is set back by
 an hour, destroying a node takes an hour. rclpy holds the interpreter lock meanwhile, so neither a
@@ -13,7 +13,6 @@ import ctypes
 import time
 
 from bahrs_driver.units import NS_PER_S
-
 
 _SIGEV_THREAD = 2
 
@@ -39,9 +38,8 @@ def exit_after(seconds: float, status: int = 0) -> None:
     timer = ctypes.c_void_p()
     event = _SigEvent(value=status, notify=_SIGEV_THREAD,
                       function=ctypes.cast(libc['_exit'], ctypes.c_void_p))
-    whole, nanoseconds = divmod(max(1, round(seconds * NS_PER_S)), NS_PER_S)
+    # An expiry of 0 would disarm the timer.
+    expiry = _TimerSpec(0, 0, *divmod(max(1, round(seconds * NS_PER_S)), NS_PER_S))
     if libc.timer_create(time.CLOCK_MONOTONIC, ctypes.byref(event), ctypes.byref(timer)) or \
-            libc.timer_settime(timer, 0, ctypes.byref(_TimerSpec(0, 0, whole, nanoseconds)),
-                               None):
-        error = ctypes.get_errno()
-        raise OSError(error, 'cannot start the exit timer')
+            libc.timer_settime(timer, 0, ctypes.byref(expiry), None):
+        raise OSError(ctypes.get_errno(), 'cannot start the exit timer')

@@ -52,7 +52,7 @@ class FaultLog:
     def _is_due(self, kind: tuple[str, str]) -> bool:
         now = time.monotonic()
         if kind not in self._logged and len(self._logged) >= MOST_KINDS:
-            kind = ('', '')
+            kind = ('', '')                 # the one for all further kinds
         due = now - self._logged.get(kind, -LOG_PERIOD) >= LOG_PERIOD
         if due:
             self._logged[kind] = now

@@ -4,8 +4,8 @@
 Read two clocks of the host at the same time.
 
 Between two calls the process may be interrupted for milliseconds. So the system time is read
-between two readings of the other clock, and again if these are far apart: their distance limits
-the error of the difference of the clocks.
+between two readings of the other clock. The time between these limits the error of the offset; if
+it is long, all clocks are read again.
 """
 
 import time
@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 from bahrs_driver.clock import Instant
 
-NARROW = 20_000         # ns; a wider bracket of readings was interrupted
+NARROW = 20_000         # ns between two readings; more means an interruption
 ATTEMPTS = 8
 
 
 class PairedReading(NamedTuple):
-    """A reading of a clock, and the bounds of system time less this clock, in ns."""
+    """A reading of a clock, and the bounds of system time minus this clock, in ns."""
 
     time: int
     least_offset: int
@@ -31,7 +31,7 @@ class PairedReading(NamedTuple):
 
 
 def paired_reading(clock: int) -> PairedReading:
-    """Read a clock (time.CLOCK_...) and how far system time is ahead of it."""
+    """Read a clock (time.CLOCK_...) and the offset of system time from it."""
     first = before = time.clock_gettime_ns(clock)
     best: PairedReading | None = None
     for _ in range(ATTEMPTS):
@@ -62,8 +62,8 @@ class SystemTime:
         """
         Return the system time at a monotonic time, in ns.
 
-        Both clocks are slewed alike, so their difference is constant until the system time is
-        set. It is kept as long as the present readings allow it.
+        Both clocks are slewed alike, so their offset is constant until the system time is set.
+        The known offset is used while the bounds of the present readings contain it.
         """
         _, least, most = reading = paired_reading(time.CLOCK_MONOTONIC)
         if self._offset is None or not least <= self._offset <= most:

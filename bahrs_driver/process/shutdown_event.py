@@ -3,9 +3,10 @@
 """
 The event that ends a program with threads: a signal, or a call of set().
 
-A threading.Event would not do. The main thread may hold its lock when a signal handler, which runs
-in that thread, sets it. And a signal that the system delivers to another thread, as it may after a
-pause of the process, does not wake a main thread that waits for a lock.
+A threading.Event is not enough. A signal handler runs in the main thread, which may hold the lock
+of the event when the handler sets it. And a main thread that waits for a lock is not woken by a
+signal that the system delivers to another thread, as can happen after a pause of the process. So
+the event is a pipe, which any context can write and poll() waits for.
 """
 
 import contextlib
@@ -21,7 +22,7 @@ HANDLED_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def handled_signals() -> list[signal.Signals]:
-    """Return the signals that end a program; without SIGHUP if nohup made it ignored."""
+    """Return the signals that end a program: under nohup, without SIGHUP."""
     return [kind for kind in HANDLED_SIGNALS
             if kind is not signal.SIGHUP or signal.getsignal(kind) is not signal.SIG_IGN]
 
@@ -43,20 +44,20 @@ class ShutdownEvent:
         return self.wait(0)
 
     def wait(self, timeout: float | None = None) -> bool:
-        """Wait until the event is set, at most a time in seconds; return whether it is."""
-        poll = select.poll()        # select() cannot take a file descriptor of 1024 or above
+        """Wait until the event is set, for timeout seconds at most; return whether it is."""
+        poll = select.poll()        # select() fails on descriptors from 1024 on
         poll.register(self._read_end, select.POLLIN)
         return bool(poll.poll(None if timeout is None else max(0.0, timeout) * 1000))
 
     def install_signal_handlers(self) -> None:
-        """Let the handled signals set the event. Only the main thread may call it."""
+        """Make the handled signals set the event. Only the main thread may call it."""
         for kind in handled_signals():
             signal.signal(kind, _noop_handler)
         signal.set_wakeup_fd(self._write_end, warn_on_full_buffer=False)
 
     def limit_exit_time(self, seconds: float = EXIT_TIME) -> None:
-        """End the process with status 0 a time in seconds after the event if it still runs."""
-        from bahrs_driver.process.exit_timer import exit_after      # which takes a while to import
+        """End the process with status 0 if it still runs some seconds after the event."""
+        from bahrs_driver.process.exit_timer import exit_after      # importing ctypes is slow
 
         def watch() -> None:
             self.wait()
@@ -69,9 +70,8 @@ def end_process(status: int) -> NoReturn:
     """
     End the process now, without the interpreter's clean-up.
 
-    The clean-up takes half a second. Destructors of the middleware may wait for the host's clock,
-    and the default action of signals is restored: a second Ctrl-C would turn a clean exit into a
-    death by signal.
+    The clean-up takes half a second, destructors of the middleware may wait for the host's clock,
+    and a second Ctrl-C would kill the process (see ignore_signals).
     """
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError, ValueError):      # closed, or a broken pipe
@@ -83,8 +83,8 @@ def ignore_signals() -> None:
     """
     Ignore the handled signals from now on. Only the main thread may call it.
 
-    While the interpreter ends it restores the default action, with which a second Ctrl-C would
-    turn a clean exit into a death by signal.
+    The interpreter restores the default action of signals while it exits. A second Ctrl-C would
+    then kill a process that was about to exit with its own status.
     """
     for kind in HANDLED_SIGNALS:
         signal.signal(kind, signal.SIG_IGN)

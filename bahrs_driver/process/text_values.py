@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Parse numbers and names that a user typed; ValueError explains in a sentence what is wrong."""
+"""Parse numbers and names that a user typed; ValueError explains the mistake in a sentence."""
 
 from collections.abc import Iterable
 import math

@@ -21,7 +21,7 @@ from bahrs_driver.process.printable import printable
 DISTRIBUTION = 'jazzy'
 HIGHEST_DOMAIN = 232            # above, its ports would be beyond 65535
 SAFE_DOMAIN = 101               # above, its ports collide with the ephemeral ports of Linux
-CHOOSER = 'rmw_implementation'  # loads a middleware, and is none itself
+LOADER = 'rmw_implementation'   # loads a middleware, and is none itself
 SWITCHES = ('RCUTILS_COLORIZED_OUTPUT', 'RCUTILS_LOGGING_USE_STDOUT',
             'RCUTILS_LOGGING_BUFFERED_STREAM')
 _MIDDLEWARES = 'share/ament_index/resource_index/rmw_typesupport'
@@ -31,7 +31,7 @@ class EnvironmentProblem(NamedTuple):
     """A variable with which ROS does not start."""
 
     check: str              # 'middleware', 'logging' or 'domain'
-    message: str            # what is wrong, and what the value must be
+    message: str            # the mistake, and the valid values
     command: str            # the command that corrects it
 
 
@@ -71,7 +71,7 @@ def middlewares(environment: Mapping[str, str], python: Path = Path(sys.prefix))
     for prefix in prefixes or [python]:
         with contextlib.suppress(OSError, ValueError):      # a prefix may be any text
             found.update(os.listdir(prefix / _MIDDLEWARES))
-    return sorted(name for name in found if name.startswith('rmw_') and name != CHOOSER)
+    return sorted(name for name in found if name.startswith('rmw_') and name != LOADER)
 
 
 def ament_prefixes(environment: Mapping[str, str]) -> list[Path]:

@@ -24,7 +24,7 @@ ErrorHandler = Callable[[BaseException], None]
 
 
 class Entity(Protocol):
-    """What has a callback: a timer, subscription, service or client."""
+    """An object with a callback: a timer, subscription, service or client."""
 
     callback_group: CallbackGroup
 
@@ -56,13 +56,14 @@ class StoppableExecutor(Executor):
 
     def stop(self) -> None:
         """End spin() soon, after the responses of services that are complete. Thread-safe."""
-        # The first task runs in one pass with every coroutine that can continue, newest first.
+        # The first task runs in one pass with every coroutine that can continue. The second one,
+        # which ends spin(), runs in a later pass.
         self.create_task(self.create_task, self._stopping.set)
 
     def can_execute(self, entity: Entity) -> bool:  # type: ignore[override]
         """Return whether the callback group of an entity is free."""
-        # rclpy also skips an entity whose message it began to take. In one thread that is over,
-        # or has failed.
+        # rclpy also skips an entity if it has begun to take its message. With one thread, taking
+        # has finished by now, or has failed.
         return bool(entity.callback_group.can_execute(entity))
 
     def _run(self, task: Task, entity: Entity | None) -> None:

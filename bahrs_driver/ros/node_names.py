@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 ROOT = '/'
 USUAL_NAME = 'bahrs_driver'     # default name of a driver
-SETTLE_TIME = 5.0       # s after the first match, in which a second one makes it ambiguous
+SETTLE_TIME = 5.0       # s after the first match; a second one within makes the choice ambiguous
 
 
 def full_name(name: str, namespace: str) -> str:
@@ -38,9 +38,9 @@ class Selection(NamedTuple):
         return self.name in ('', name) and self.namespace in ('', namespace)
 
     def __str__(self) -> str:
-        """Return the selection as text."""
-        what = f'node named {self.name}' if self.name else 'driver'
-        return f'{what} in namespace {self.namespace}' if self.namespace else what
+        """Describe the selection, for messages."""
+        noun = f'node named {self.name}' if self.name else 'driver'
+        return f'{noun} in namespace {self.namespace}' if self.namespace else noun
 
 
 class NodeChoice:

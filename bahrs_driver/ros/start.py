@@ -26,7 +26,7 @@ def check_environment(environment: Mapping[str, str] = os.environ) -> None:
 
 
 def init_ros(arguments: Sequence[str], log_files: bool = True) -> str:
-    """Initialize ROS without signal handlers; return why it writes no log files, or nothing."""
+    """Initialize ROS without signal handlers; return why it writes no log files, if so."""
     check_environment()
     import rclpy
     from bahrs_driver.ros.start_errors import without_source_lines
@@ -35,25 +35,25 @@ def init_ros(arguments: Sequence[str], log_files: bool = True) -> str:
     def init(*more: str) -> None:
         rclpy.init(args=[*arguments, *more], signal_handler_options=SignalHandlerOptions.NO)
 
-    # A flag without its value would take the next word for it.
-    without = () if arguments and arguments[-1].startswith('-') else NO_LOG_FILES
+    # rcl would read the flag as the value of an option that lacks its own.
+    no_log_files = () if arguments and arguments[-1].startswith('-') else NO_LOG_FILES
     problem = log_problem() if log_files else 'they are not wanted'
     try:
-        init(*(without if problem else ()))
+        init(*(no_log_files if problem else ()))
     except RuntimeError as error:       # the base of RCLError, which rclpy does not export
         if 'logging' not in str(error):
             raise
         rclpy.try_shutdown()        # ROS was partly initialised before the logging failed
         problem = without_source_lines(error)
-        init(*without)
+        init(*no_log_files)
     return problem
 
 
 def missing_module(error: ImportError) -> str:
-    """Return what to do about a module that cannot be imported, in a sentence."""
-    what = f'the Python module {error.name} is missing' \
+    """Explain in a sentence why a module cannot be imported, with the remedy."""
+    reason = f'the Python module {error.name} is missing' \
         if isinstance(error, ModuleNotFoundError) else printable(error, _LONGEST_REASON)
-    return f'{what}; install it, or source the set-up of your ROS 2'
+    return f'{reason}; install it, or source the set-up of your ROS 2'
 
 
 def _raise_first(problems: Iterable[EnvironmentProblem]) -> None:
