@@ -27,7 +27,8 @@ from bahrs_driver.protocol.bahrs.frames import build_frame
 from bahrs_driver.protocol.bahrs.messages import layouts
 from bahrs_driver.protocol.titan_m.frames import ANSWER_MARKER, checksum, CHECKSUM_ORDERS
 from bahrs_driver.protocol.titan_m.messages import ANSWERS, PAYLOAD_SIZES
-from bahrs_driver.transport.link import Link, Reading
+from bahrs_driver.transport.channel import Reading
+from bahrs_driver.transport.link import Link
 import pytest
 from support.settings_examples import parts_of
 

@@ -13,7 +13,7 @@ from collections.abc import Callable
 import os
 
 from bahrs_driver.protocol.framing import FramingCounters
-from bahrs_driver.transport.explain import described, list_command, MOST_NAMED
+from bahrs_driver.transport.explain import describe_process, list_command, MOST_NAMED
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.processes import holders, Process
 
@@ -68,7 +68,7 @@ class SharingWatch:
         """Return the programs that have the port open, too; '' if none is known."""
         if now - self._found_at > LIFETIME:
             return ''
-        names = ', '.join(map(described, self._programs[:MOST_NAMED]))
+        names = ', '.join(map(describe_process, self._programs[:MOST_NAMED]))
         return names or 'one of another user'
 
     def _search(self, now: float) -> None:

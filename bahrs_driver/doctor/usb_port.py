@@ -8,7 +8,7 @@ import shlex
 
 from bahrs_driver.doctor.check_result import advice, CheckResult, good, Prevents, problem
 from bahrs_driver.doctor.commands import run_doctor, run_driver
-from bahrs_driver.transport.explain import described
+from bahrs_driver.transport.explain import describe_process
 from bahrs_driver.transport.machine import Machine
 from bahrs_driver.transport.port_access import access_advice
 
@@ -89,7 +89,7 @@ def _access(machine: Machine, port: str) -> CheckResult:
 def _busy(machine: Machine, port: str, device: str) -> Iterator[CheckResult]:
     holders = machine.holders(device)
     for process in holders:
-        message = f'{port} is open in {described(process)}'
+        message = f'{port} is open in {describe_process(process)}'
         if process.name == OUR_DRIVER:
             yield good('in use', f'{message}: the driver runs', Prevents.LISTENING)
         elif process.name == MODEM_MANAGER:

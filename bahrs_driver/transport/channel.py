@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""An open port, and what all ports with a file descriptor share."""
+"""An open port: its interface, and the implementation for ports with a file descriptor."""
 
 import errno
 import fcntl
@@ -9,13 +9,20 @@ import select
 import struct
 import termios
 import time
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
+from bahrs_driver.clock import Instant
 from bahrs_driver.process.host_time import host_instant
-from bahrs_driver.transport.reading import Reading
 from bahrs_driver.transport.waker import Waker
 
 LARGEST_READ = 4096     # bytes
+
+
+class Reading(NamedTuple):
+    """The bytes of one read, and the earliest known time by which all had arrived."""
+
+    data: bytes
+    now: Instant
 
 
 class Channel(Protocol):
@@ -39,7 +46,7 @@ class DescriptorChannel:
     """
     A port with a file descriptor.
 
-    It waits with poll(), because select() fails on descriptors from 1024 on.
+    It uses poll(), because select() fails on descriptors from 1024 on.
     """
 
     stolen = 0
@@ -56,8 +63,8 @@ class DescriptorChannel:
         poll.register(waker.fileno(), select.POLLIN)
         if not poll.poll(timeout * 1e3) or waker.clear():
             return None
-        # The bytes that an adapter delivers at once are one read with one time. The time is read
-        # after the bytes are counted; before, it would be too early for bytes that arrive between.
+        # An adapter delivers bytes in blocks: read a whole block, with one time. A time from
+        # before the count could be earlier than the last bytes counted.
         count = min(self._count_waiting(), LARGEST_READ)
         now = host_instant()
         try:

@@ -3,11 +3,10 @@
 """
 Explain in one sentence why a port cannot be used, with a remedy.
 
-An explanation reads the state of the system again, which may fail in its own way. So all of it is
-behind one guard: an error that cannot be explained is still reported.
+An explanation reads the state of the system again, which may fail, too: an error that cannot be
+explained is still reported.
 """
 
-from collections.abc import Callable
 import errno
 import os
 import shlex
@@ -37,7 +36,7 @@ FORBIDDEN_TO_USER = ('{name} may not be opened by user {user}: {reason}; {remedy
                      '"{access_command}"')
 IN_USE_BY = '{name} is in use by another program{holders}: see {command}'
 CONNECTION_LOST = '{server} is gone: {why_lost}; the driver goes on trying'
-# What is wrong with a port, for the table in the README.
+# Causes for the table in the README.
 CAUSES = {'a missing port': MISSING, 'a port that was pulled out': GONE,
           'a port that the user may not open': FORBIDDEN_TO_USER, 'a port in use': IN_USE_BY,
           'a serial server that lost power': CONNECTION_LOST}
@@ -53,13 +52,15 @@ class Target(NamedTuple):
 
 
 def why_not_open(target: Target, error: Exception) -> LinkError:
-    """Return why a port cannot be opened, for any error."""
-    return _guarded(_why_no_server if not target.path else _why_no_device, target, error,
-                    f'{target.name} cannot be opened: {plain(error)}')
+    """Return why a port cannot be opened. Never raise."""
+    try:
+        return _why_no_device(target, error) if target.path else _why_no_server(target, error)
+    except Exception:
+        return LinkError(f'{target.name} cannot be opened: {error_text(error)}')
 
 
 def why_gone(target: Target, error: Exception) -> LinkError:
-    """Return why a port that was open cannot be read any more."""
+    """Return why a port was lost while it was open."""
     if target.path:
         return _gone(target)
     return LinkError(CONNECTION_LOST.format(server=target.name, why_lost=_why_lost(error)),
@@ -67,12 +68,12 @@ def why_gone(target: Target, error: Exception) -> LinkError:
 
 
 def why_not_written(target: Target, error: Exception) -> LinkError:
-    """Return why a port does not take data."""
-    return LinkError(f'{target.name} does not take data: {plain(error)}')
+    """Return why a port does not accept data."""
+    return LinkError(f'{target.name} does not take data: {error_text(error)}')
 
 
-def described(process: Process) -> str:
-    """Return the name and number of a process in printable form."""
+def describe_process(process: Process) -> str:
+    """Describe a process by its name and id, in printable form."""
     this = ', which is this one' if process.pid == os.getpid() else ''
     return f'{printable(process.name, 40)}, process {process.pid}{this}'
 
@@ -82,22 +83,14 @@ def list_command(path: str) -> str:
     return f'"fuser -v {shlex.quote(printable(path))}"'
 
 
-def plain(error: BaseException) -> str:
-    """Return the text of an exception on one line, without the number of the error."""
+def error_text(error: BaseException) -> str:
+    """Return the text of an exception on one line, without its errno. Never raise."""
     try:
-        # pyserial puts the cause's text, errno and all, at the end of a sentence of its own.
+        # pyserial ends its own sentence with the cause: "could not open port x: [Errno 5] ...".
         text = getattr(error, 'strerror', None) or str(error)
         return printable(text.rpartition('] ')[2], 200) or type(error).__name__
     except Exception:
         return type(error).__name__
-
-
-def _guarded(explain: Callable[[Target, Exception], LinkError], target: Target,
-             error: Exception, otherwise: str) -> LinkError:
-    try:
-        return explain(target, error)
-    except Exception:
-        return LinkError(otherwise)
 
 
 def _gone(target: Target) -> LinkError:
@@ -128,7 +121,7 @@ def _why_no_device(target: Target, error: Exception) -> LinkError:
 
 
 def _cannot_open(target: Target, error: Exception) -> str:
-    return (f'{target.name} cannot be opened: {plain(error)}; "bahrs doctor --port '
+    return (f'{target.name} cannot be opened: {error_text(error)}; "bahrs doctor --port '
             f'{shlex.quote(printable(target.path))}" looks for the reason')
 
 
@@ -147,7 +140,7 @@ def _why_in_use(target: Target) -> str:
     if not found and _is_pseudo_terminal(target.path):
         return (f'{target.name} is in use by another program, or by one that was killed: restart '
                 'the program that made this pseudo-terminal')
-    names = ', '.join(map(described, found[:MOST_NAMED]))
+    names = ', '.join(map(describe_process, found[:MOST_NAMED]))
     return IN_USE_BY.format(name=target.name, holders=names and f' ({names})',
                             command=list_command(target.path))
 
@@ -171,7 +164,7 @@ def _why_no_server(target: Target, error: Exception) -> LinkError:
         reason = (f'the server does not accept RFC 2217 with {target.baud_rate} baud; for a plain '
                   'TCP port use socket://')
     else:
-        reason = f'{plain(error)}; check the serial server and the network'
+        reason = f'{error_text(error)}; check the serial server and the network'
     return LinkError(f'{name} cannot be opened: {reason}', absent=True)
 
 
@@ -191,21 +184,22 @@ def _why_lost(error: Exception) -> str:
 
 
 def _code(error: BaseException) -> int | None:
-    """Return the errno of an error, or of what pyserial made it from."""
-    for each in _causes(error):
-        code = getattr(each, 'errno', None)
-        if code is None and isinstance(each, termios.error) and each.args:
-            code = each.args[0]
+    """Return the errno of an error or, since pyserial drops it, of one of its causes."""
+    for cause in _causes(error):
+        code = getattr(cause, 'errno', None)
+        if code is None and isinstance(cause, termios.error) and cause.args:
+            code = cause.args[0]
         if isinstance(code, int):
             return code
     return None
 
 
 def _caused_by(error: BaseException, kind: type[BaseException]) -> bool:
-    return any(isinstance(each, kind) for each in _causes(error))
+    return any(isinstance(cause, kind) for cause in _causes(error))
 
 
 def _causes(error: BaseException) -> list[BaseException]:
+    """Return an error and its causes, latest first; a chain may be circular."""
     found: list[BaseException] = [error]
     while (cause := found[-1].__cause__ or found[-1].__context__) and cause not in found:
         found.append(cause)

@@ -11,7 +11,7 @@ from bahrs_driver.transport.waker import Waker
 
 
 class Closable(Protocol):
-    """A result that must be closed if nobody waits for it any more."""
+    """A result that must be closed if wait() was interrupted before."""
 
     def close(self) -> None:
         """Close it."""
@@ -24,7 +24,7 @@ class InterruptibleCall(Generic[Result]):
     """
     One call of a function that opens something.
 
-    The resolver of names and the negotiation of pyserial cannot be interrupted themselves.
+    Name resolution and the negotiation of pyserial cannot be interrupted themselves.
     """
 
     def __init__(self, function: Callable[[], Result]) -> None:

@@ -3,9 +3,9 @@
 """
 Open, read, write and close a port.
 
-A port is the path of a device or a URL. One thread reads it, any thread may write. Every failure
-is a LinkError, because the port may be back in a second; its text is one sentence with the port,
-the reason and the remedy.
+A port is the path of a device or a URL. One thread opens, reads and closes it; any thread may
+write. Every failure is a LinkError, whose text is one sentence with the port, the reason and the
+remedy. None is final: the port may be back in a second.
 """
 
 from collections.abc import Callable
@@ -13,21 +13,17 @@ from functools import partial
 import os
 import threading
 
-from bahrs_driver.errors import LinkError
 from bahrs_driver.process.printable import printable
 from bahrs_driver.transport.address import check_baud_rate, parse_address
-from bahrs_driver.transport.channel import Channel
+from bahrs_driver.transport.channel import Channel, Reading
 from bahrs_driver.transport.device_search import find_device
 from bahrs_driver.transport.explain import Target, why_gone, why_not_open, why_not_written
 from bahrs_driver.transport.interruptible_call import InterruptibleCall
 from bahrs_driver.transport.pyserial_url import open_loop, open_rfc2217
-from bahrs_driver.transport.reading import Reading
 from bahrs_driver.transport.serial_port import SerialPort
 from bahrs_driver.transport.tcp import TcpConnection
 from bahrs_driver.transport.waker import Waker
 from bahrs_driver.units import byte_time_ns
-
-__all__ = ['Link', 'LinkError', 'Reading']
 
 READ_TIMEOUT = 0.5      # s
 WRITE_TIMEOUT = 1.0     # s
@@ -38,7 +34,7 @@ class Link:
     """A port that can be opened repeatedly."""
 
     def __init__(self, port: str, baud_rate: int) -> None:
-        """Check the path or URL; ValueError for one that can never be opened."""
+        """Parse the path or URL; ValueError if it can never be opened."""
         self.port = port
         self.name = printable(port)
         self.baud_rate = baud_rate
@@ -73,7 +69,7 @@ class Link:
 
     @property
     def byte_time_ns(self) -> int:
-        """Time of a byte on the line in ns; 0 for native USB and networks."""
+        """Duration of a byte on the line in ns; 0 for native USB and networks."""
         name = os.path.basename(os.path.realpath(self._path)) if self._path else ''
         return byte_time_ns(self.baud_rate) if name and not name.startswith(_NO_LINE_RATE) else 0
 
@@ -106,8 +102,8 @@ class Link:
         except Exception as error:
             raise why_not_written(self._target(), error) from error
 
-    def cancel_read(self) -> None:
-        """Interrupt threads that write, and the present or next call that opens or reads."""
+    def cancel(self) -> None:
+        """Interrupt writes that wait, and the current or next connect() or read()."""
         self._reader_waker.wake()
         self._writer_waker.wake()
 
@@ -132,9 +128,11 @@ class Link:
 
     def _connect_to_server(self) -> Channel:
         address = self._address
-        connect: Callable[[], Channel] = partial(open_rfc2217, address.text, self.baud_rate)
+        connect: Callable[[], Channel]
         if address.scheme == 'socket':
             connect = partial(TcpConnection, address.host, address.port)
+        else:
+            connect = partial(open_rfc2217, address.text, self.baud_rate)
         channel = InterruptibleCall[Channel](connect).wait(self._reader_waker)
         if channel is None:
             raise InterruptedError('the driver is being stopped')

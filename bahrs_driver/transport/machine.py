@@ -17,7 +17,7 @@ from bahrs_driver.transport.processes import holders, Process, processes
 
 
 class User(NamedTuple):
-    """The user who opens a port."""
+    """A user of the computer."""
 
     name: str
     uid: int
@@ -75,7 +75,7 @@ class Machine:
             return str(gid)
 
     def is_member(self, gid: int) -> bool:
-        """Return whether the group database has the user in a group, in this session or not."""
+        """Return whether the group database lists the user, even if the session does not."""
         try:
             return self.user.name in grp.getgrgid(gid).gr_mem
         except KeyError:

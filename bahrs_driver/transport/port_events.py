@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from bahrs_driver.pipeline import Event
-from bahrs_driver.transport.reading import Reading
+from bahrs_driver.transport.channel import Reading
 
 
 class Connection(NamedTuple):

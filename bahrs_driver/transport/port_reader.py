@@ -1,12 +1,13 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The loop that reads the port: read, feed the pipeline, yield what comes of it.
+The loop that reads the port: read, feed the pipeline, yield the events.
 
-It keeps the port open until it is stopped. If the port cannot be opened or is lost, it yields the
-reason once and tries again, with pauses that grow. Whoever consumes the events runs the loop, in
-a thread of its own. An exception in the pipeline is a fault of the driver: it is logged and
-counted, and reading goes on.
+The loop is a generator, so the thread that consumes the events runs it. It keeps the port open
+until it is stopped. If the port cannot be opened or is lost, it yields the reason once and tries
+again, with pauses that grow. A port that opens but is lost at once again and again is reported as
+usable only when it delivers a frame or stays open for STABLE_TIME. An exception in the pipeline is
+a fault of the driver: it is logged and counted, and reading continues.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -19,15 +20,15 @@ import time
 from bahrs_driver.errors import LinkError
 from bahrs_driver.pipeline import Event, Pipeline
 from bahrs_driver.process.fault_log import FaultLog
+from bahrs_driver.transport.channel import Reading
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.port_events import (
     BytesRead, Connection, Decoded, PortEvent, PortOpened, PortUnavailable, PortUsable, Silence,
 )
-from bahrs_driver.transport.reading import Reading
 
 FIRST_PAUSE = 0.1       # s, before the port is tried again
 LONGEST_PAUSE = 2.0     # s
-STEADY = 2.0            # s after which an open port is usable even without frames
+STABLE_TIME = 2.0       # s after which an open port is usable even without frames
 READING = 'reading the port'
 
 
@@ -58,14 +59,14 @@ class PortReader:
         self._absence_reported = False
         self._connection = Connection(0, 0)
         self._opened_at: float | None = None        # time.monotonic(); None while closed
-        self._has_frames = False        # since it was opened
-        self._flapping = False          # the latest connection was lost at once, without a frame
+        self._has_frames = False        # of this connection
+        self._flapping = False          # the last connection was lost at once, without a frame
         self._stopping = threading.Event()
 
     def stop(self) -> None:
-        """Make events() end soon, with the port closed. Any thread may call it."""
+        """Make events() close the port and end soon. Any thread may call it."""
         self._stopping.set()
-        self._faults.survive('waking the reader', self._link.cancel_read)
+        self._faults.survive('waking the reader', self._link.cancel)
 
     def events(self) -> Iterator[PortEvent]:
         """Keep the port open and read it until stop() is called; yield what happens."""
@@ -81,7 +82,7 @@ class PortReader:
                 failure = LinkError(f'{self._link.name} is opened again after a fault of the '
                                     'driver')
             finally:
-                # Before any pause: an adapter whose old device is held open gets another name.
+                # Before the pause: while its old file is open, an adapter returns as another.
                 self._faults.survive('closing the port', self._link.close)
             if failure:
                 yield from self._recover(failure)
@@ -112,7 +113,7 @@ class PortReader:
             else:
                 yield BytesRead(reading, self._connection)
                 yield from self._feed(reading)
-            if self.counters.open_since is None and self._open_for() >= STEADY:
+            if self.counters.open_since is None and self._open_for() >= STABLE_TIME:
                 yield from self._report_usable()
 
     def _open_for(self) -> float:
@@ -123,15 +124,15 @@ class PortReader:
         self.counters.last_data = time.monotonic()
         framing = self._pipeline.counters.framing
         frames_before = framing.frames
-        events = self._run(partial(self._pipeline.feed, reading.data, reading.now))
+        events = self._run_step(partial(self._pipeline.feed, reading.data, reading.now))
         has_frames = framing.frames > frames_before
-        if has_frames:          # a port that opens and closes at once keeps its longer pause
+        if has_frames:          # without frames, a port that flaps keeps its longer pause
             self._pause, self._has_frames = FIRST_PAUSE, True
             yield from self._report_usable()
         if has_frames or events:
             yield Decoded(events)
 
-    def _run(self, step: Callable[[], Sequence[Event]]) -> Sequence[Event]:
+    def _run_step(self, step: Callable[[], Sequence[Event]]) -> Sequence[Event]:
         """Return the events of a step of the pipeline; none if it fails."""
         try:
             with self._lock:
@@ -144,12 +145,12 @@ class PortReader:
         """End the stream, yield the reason, and pause."""
         was_open = self._opened_at is not None
         if was_open:
-            # Such as a server whose only connection is taken, which hangs up on all others.
-            self._flapping = not self._has_frames and self._open_for() < STEADY
+            # For example, a server with room for one client hangs up on a second one at once.
+            self._flapping = not self._has_frames and self._open_for() < STABLE_TIME
             self._opened_at = self.counters.open_since = None
-            if events := self._run(self._pipeline.close):
+            if events := self._run_step(self._pipeline.close):
                 yield Decoded(events)
-        if self._stopping.is_set():         # which is why it failed
+        if self._stopping.is_set():         # stop() caused the failure
             return
         yield from self._report_failure(failure, was_open)
         self._stopping.wait(self._pause)

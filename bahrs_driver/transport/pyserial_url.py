@@ -9,7 +9,7 @@ import time
 from typing import Any
 
 from bahrs_driver.process.host_time import host_instant
-from bahrs_driver.transport.reading import Reading
+from bahrs_driver.transport.channel import Reading
 from bahrs_driver.transport.tcp import detect_loss
 from bahrs_driver.transport.waker import Waker
 import serial

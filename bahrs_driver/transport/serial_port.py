@@ -10,8 +10,7 @@ import stat
 import termios
 import time
 
-from bahrs_driver.transport.channel import DescriptorChannel
-from bahrs_driver.transport.reading import Reading
+from bahrs_driver.transport.channel import DescriptorChannel, Reading
 from bahrs_driver.transport.waker import Waker
 import serial
 

@@ -13,11 +13,12 @@ from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.bag.serialization import serialized
 from bahrs_driver.bag.topics import Topic
 from bahrs_driver.convert import raw
+from bahrs_driver.errors import LinkError
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.transport.link import Link, LinkError
+from bahrs_driver.transport.link import Link
 import pytest
 from support.processes import running, wait_for
 

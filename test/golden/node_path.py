@@ -15,7 +15,7 @@ from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.errors import LinkError
 from bahrs_driver.pipeline import Notice
 from bahrs_driver.process.fault_log import FaultLog
-from bahrs_driver.transport.link import Reading
+from bahrs_driver.transport.channel import Reading
 from bahrs_driver.transport.port_events import (
     BytesRead, Decoded, PortOpened, PortUnavailable, PortUsable,
 )
@@ -69,7 +69,7 @@ class _ScriptedLink:
             return Reading(data, Instant(raw_ns, ros_ns))
         raise LinkError('port is gone', absent=True)
 
-    def cancel_read(self) -> None:
+    def cancel(self) -> None:
         """Do nothing: nothing waits."""
 
     def close(self) -> None:

@@ -4,9 +4,10 @@
 
 import os
 
+from bahrs_driver.errors import LinkError
 from bahrs_driver.transport import address as address_module
 from bahrs_driver.transport.address import parse_address, SCHEMES, TEST_SCHEME
-from bahrs_driver.transport.link import Link, LinkError
+from bahrs_driver.transport.link import Link
 from bahrs_driver.virtual_serial.pty_port import PtyPort
 from hypothesis import example, given, strategies as st
 import pytest

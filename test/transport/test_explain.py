@@ -113,7 +113,8 @@ def test_common_errors_of_servers_have_a_remedy(error, words):
 # Run as nobody: the sentence for a port in a directory that nobody may enter.
 AS_NOBODY = """
 import os, sys
-from bahrs_driver.transport.link import Link, LinkError
+from bahrs_driver.errors import LinkError
+from bahrs_driver.transport.link import Link
 os.setgroups([]); os.setgid(65534); os.setuid(65534)
 try:
     Link(sys.argv[1], 115200).connect()

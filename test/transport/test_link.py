@@ -8,9 +8,10 @@ import socket
 import stat
 import time
 
+from bahrs_driver.errors import LinkError
 from bahrs_driver.process.host_time import host_instant
 from bahrs_driver.transport import link as link_module
-from bahrs_driver.transport.link import Link, LinkError
+from bahrs_driver.transport.link import Link
 from bahrs_driver.virtual_serial.pty_port import PtyPort
 import pytest
 from support.waiting import wait_for
@@ -158,7 +159,7 @@ def test_a_waiting_read_can_be_woken(port, monkeypatch):
     monkeypatch.setattr(link_module, 'READ_TIMEOUT', 120)
     link = Link(port.path, BAUD)
     link.connect()
-    link.cancel_read()
+    link.cancel()
     begin = time.monotonic()
     assert link.read() is None
     assert time.monotonic() - begin < 60

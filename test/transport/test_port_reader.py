@@ -6,13 +6,14 @@ import contextlib
 import threading
 
 from bahrs_driver.clock import ArrivalClock, Instant
+from bahrs_driver.errors import LinkError
 from bahrs_driver.pipeline import DecodingFault, Notice, Pipeline
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import NavigationTime, SyncPulseTime
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.transport import port_reader
-from bahrs_driver.transport.link import LinkError, Reading
+from bahrs_driver.transport.channel import Reading
 from bahrs_driver.transport.port_events import (
     BytesRead, Connection, Decoded, PortOpened, PortUnavailable, PortUsable, Silence,
 )
@@ -57,7 +58,7 @@ class ScriptedLink:
             raise chunk
         return Reading(chunk, Instant(3_000_000, 10_000_000)) if chunk else None
 
-    def cancel_read(self):
+    def cancel(self):
         """Do nothing: no read waits."""
 
     def close(self):
@@ -219,8 +220,8 @@ def test_a_port_that_is_lost_at_once_repeatedly_is_reported_once(play):
 
 
 def test_a_port_that_stays_open_is_reported_without_frames(play, monkeypatch):
-    """After STEADY seconds, although it was lost at once before."""
-    monkeypatch.setattr(port_reader, 'STEADY', 0.0)
+    """After STABLE_TIME seconds, although it was lost at once before."""
+    monkeypatch.setattr(port_reader, 'STABLE_TIME', 0.0)
     diary, _ = play([b'x'], [b'x'])
     assert diary.entries[:4] == ['opened', 'port is gone', 'opened', 'port is gone']
 
@@ -305,7 +306,7 @@ class Failing:
 
 
 METHODS = {
-    'link': ('connect', 'read', 'cancel_read', 'close'),
+    'link': ('connect', 'read', 'cancel', 'close'),
     'framer': ('feed', 'flush'),
     'decoder': ('decode',),
     'clock': ('begin', 'observe_read', 'stamp', 'end', 'take_notices'),

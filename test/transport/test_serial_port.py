@@ -13,8 +13,9 @@ import sys
 import threading
 import time
 
+from bahrs_driver.errors import LinkError
 from bahrs_driver.transport import link as link_module
-from bahrs_driver.transport.link import Link, LinkError
+from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.serial_port import LONGEST_BACK_OFF, SerialPort
 from bahrs_driver.transport.waker import Waker
 from bahrs_driver.virtual_serial.pty_port import PtyPort
@@ -89,7 +90,8 @@ def test_another_program_of_an_ordinary_user_cannot_open_it(port):
 # As a user without privileges: opening a port that a killed program had open for itself alone.
 AFTER_A_KILL = """
 import os, sys
-from bahrs_driver.transport.link import Link, LinkError
+from bahrs_driver.errors import LinkError
+from bahrs_driver.transport.link import Link
 os.chmod(sys.argv[1], 0o666)
 if os.geteuid() == 0:
     os.setgroups([]); os.setgid(65534); os.setuid(65534)
@@ -178,7 +180,7 @@ def test_descriptors_too_large_for_select(many_files):
         assert found == b'abc'
         link.write(b'xyz')
         assert port.read(60.0) == b'xyz'
-        link.cancel_read()
+        link.cancel()
         assert link.read() is None
 
 

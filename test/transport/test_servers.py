@@ -11,9 +11,10 @@ import sys
 import threading
 import time
 
+from bahrs_driver.errors import LinkError
 from bahrs_driver.transport import link as link_module
 from bahrs_driver.transport import pyserial_url, tcp
-from bahrs_driver.transport.link import Link, LinkError
+from bahrs_driver.transport.link import Link
 from hypothesis import given, HealthCheck, settings, strategies as st
 import pytest
 from serial import rfc2217
@@ -185,7 +186,7 @@ def test_connecting_can_be_cancelled(kind, monkeypatch):
     thread = threading.Thread(target=connect)
     thread.start()
     assert looked_up.wait(60)
-    link.cancel_read()
+    link.cancel()
     thread.join(30)
     assert not thread.is_alive() and errors
     ended.set()
@@ -206,7 +207,7 @@ def test_a_connection_after_cancellation_is_closed(monkeypatch):
 
     monkeypatch.setattr(link_module, 'TcpConnection', Late)
     link = Link('socket://127.0.0.1:1', BAUD)
-    link.cancel_read()
+    link.cancel()
     with pytest.raises(LinkError, match='the driver is being stopped'):
         link.connect()
     go.set()
@@ -238,7 +239,8 @@ def test_all_addresses_of_a_host_share_one_time_limit(monkeypatch):
 # network is switched off, so nothing that is sent arrives, and nothing comes back.
 VANISHING = """
 import socket, subprocess, sys, threading, time
-from bahrs_driver.transport.link import Link, LinkError
+from bahrs_driver.errors import LinkError
+from bahrs_driver.transport.link import Link
 sys.path.insert(0, sys.argv[2])
 from support.serial_servers import SERVERS
 
