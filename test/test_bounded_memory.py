@@ -64,7 +64,7 @@ class Driver:
     def lose(self, ros_ns):
         """Lose the link, as the reader and the node do it."""
         self.publish(self.pipeline.close())
-        list(self.sensor.converter.lost(ros_ns))
+        list(self.sensor.converter.end_stream(ros_ns))
 
     def feed(self, reading):
         """Take what a read has brought."""

@@ -187,7 +187,7 @@ class Device:
         elif isinstance(event, PortUnavailable):
             self.failure = event.reason
             self._opened.set()
-            self.nvm.lost(event.reason)
+            self.nvm.abandon(event.reason)
         elif isinstance(event, Decoded):
             for item in event.events:
                 self._receive(item)

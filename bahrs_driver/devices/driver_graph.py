@@ -1,7 +1,7 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Find drivers in the ROS graph, whatever their names and remappings.
+Find drivers in the ROS graph, under any name and with any remapping.
 
 The graph describes other processes: a node may be gone before it is queried, and its name may be
 any text. Neither ends the search.

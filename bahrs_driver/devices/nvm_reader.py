@@ -1,11 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Reading the non-volatile memory of a BAHRS over a link that another thread reads.
+Read the non-volatile memory of a BAHRS over a link that another thread reads.
 
-The request loop carries out one session at a time. The caller of read() waits for it, the thread
-that reads the link hands in the messages of the device, and any thread may cancel it. Every
-session ends, because it has time limits of its own and end() has one.
+Three threads share a session: the request loop writes its requests, the thread that reads the link
+passes the messages of the device to receive(), and the caller of read() waits. Any thread may
+cancel it. Every session ends, because each of its states and end() have time limits.
 """
 
 from collections.abc import Callable, Sequence
@@ -47,7 +47,7 @@ class NvmReader:
 
     @property
     def status(self) -> str:
-        """Present state for the user; 'none' without a session."""
+        """State of the session, for the user; 'none' without a session."""
         session = self._session
         if session is None:
             return 'none'
@@ -59,16 +59,16 @@ class NvmReader:
              options: SessionOptions = SessionOptions(), on_page: OnPage = _ignore,
              on_progress: OnProgress = _ignore) -> dict[int, bytes]:
         """
-        Return the pages by number. Raise NvmError if not all of them could be read.
+        Read pages and return them by number; NvmError unless all of them were read.
 
-        on_page is called with number and data of each page when it was read, on_progress with the
-        session after each change, both in the calling thread.
+        Both callbacks run in the calling thread: on_page with number and data of each page,
+        on_progress with the session after each change.
         """
         session = self._begin(pages, options)
         try:
             self._follow(session, on_page, on_progress)
         except BaseException:
-            # Also Ctrl-C: the device must leave its mode.
+            # Even after Ctrl-C, the device must leave diagnostics mode.
             with self.loop.lock:
                 session.cancel('interrupted', now_ns())
                 self.loop.lock.notify_all()
@@ -83,7 +83,7 @@ class NvmReader:
         return session.pages
 
     def receive(self, message: Message, frame: Frame) -> None:
-        """Hand in a message of the device."""
+        """Pass a message of the device to the session, if there is one."""
         if self._session is None:
             return
         with self.loop.lock:
@@ -102,20 +102,22 @@ class NvmReader:
 
     def end(self, reason: str, timeout: float = LEAVE_TIME) -> None:
         """
-        Cancel the session, let no other begin, and wait until the device has left its mode.
+        Cancel the session, refuse new ones, and wait until the device has left diagnostics mode.
 
-        The session is abandoned after timeout seconds; the port may be closed then.
+        After timeout seconds, abandon the session. The port may be closed afterwards.
         """
         self._ended = reason
         self.cancel(reason)
         with self.loop.lock:
             if not self.loop.lock.wait_for(lambda: self._session is None, timeout):
-                self._abandon(reason)
+                self.abandon(reason)
 
-    def lost(self, reason: str) -> None:
-        """End the session: the link is lost, and the device leaves diagnostics mode by itself."""
+    def abandon(self, reason: str) -> None:
+        """End the session at once. Without a link, the device leaves its mode by itself."""
         with self.loop.lock:
-            self._abandon(reason)
+            if self._session is not None:
+                self._session.abandon(reason)
+                self.loop.lock.notify_all()
 
     def _begin(self, pages: Sequence[int], options: SessionOptions) -> NvmSession:
         with self.loop.lock:
@@ -142,8 +144,3 @@ class NvmReader:
                 on_page(number, page)
             delivered = len(pages)
             on_progress(session)
-
-    def _abandon(self, reason: str) -> None:
-        if self._session is not None:
-            self._session.abandon(reason)
-            self.loop.lock.notify_all()

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The parts that work on one stream of a device.
+The objects that process one stream of a device.
 
-Parts decode, stamp and convert the stream, live or recorded, without a port. A LivePart uses the
-port of a live stream beyond reading it.
+Parts decode, stamp and convert a live or recorded stream, and need no port. A LivePart writes to
+the port of a live stream.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -29,18 +29,18 @@ class Converter(Protocol):
     def convert(self, message: Message, stamp_ns: int) -> Iterator[tuple[str, object]]:
         """Convert a device message to ROS messages, each with its topic."""
 
-    def lost(self, _stamp_ns: int) -> Iterator[tuple[str, object]]:
+    def end_stream(self, _stamp_ns: int) -> Iterator[tuple[str, object]]:
         """Forget the stream, and return messages that report its end."""
         return iter(())
 
-    def silent(self, _stamp_ns: int) -> Iterator[tuple[str, object]]:
+    def report_silence(self, _stamp_ns: int) -> Iterator[tuple[str, object]]:
         """Return messages that report a pause of the stream."""
         return iter(())
 
 
 @dataclass(frozen=True)
 class LivePart:
-    """What uses the port of a device beyond reading it."""
+    """The objects that write to the port of a device."""
 
     nvm: NvmReader | None = None            # for devices with a readable memory
     requests: RequestLoop | None = None     # shares the decoder with the thread that reads
@@ -57,7 +57,7 @@ def _no_messages(_message: Message) -> Iterable[tuple[str, object]]:
 
 @dataclass(frozen=True)
 class Parts:
-    """What decodes, stamps and converts one stream of bytes of a device."""
+    """The objects that decode, stamp, convert and monitor one stream of a device."""
 
     framer: Framer
     decoder: Decoder

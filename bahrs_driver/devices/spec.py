@@ -1,7 +1,7 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-What the driver knows of a kind of device.
+The specification of a kind of device.
 
 docs/adding-a-device.md adds a device step by step. A method imports ROS only if it returns
 something of ROS: `bahrs decode` and `bahrs emulate` work without it.
@@ -48,10 +48,10 @@ class DeviceSpec(ABC, Generic[Settings]):
 
     @abstractmethod
     def emulation(self) -> 'DeviceEmulation':
-        """Return what emulates the device."""
+        """Return the emulation of the device."""
 
     def memory_access(self, link: 'Link') -> 'tuple[Pipeline, NvmReader]':
-        """Return what decodes a link and reads the memory through it, for `bahrs nvm`."""
+        """Return the pipeline for a link and the reader of the memory, for `bahrs nvm`."""
         raise NotImplementedError(f'a {self.label} has no memory')
 
     def recording_format(self, _settings: Settings) -> RecordingFormat | None:
@@ -63,7 +63,7 @@ class DeviceSpec(ABC, Generic[Settings]):
         """Return the message type of each topic."""
 
     def describe(self, _frame_format: Any) -> str:
-        """Return the label, with what the frames that passed the format reveal."""
+        """Return the label, with properties that the format has detected in frames."""
         return self.label
 
     def frame_period(self, _frame: Frame) -> float | None:

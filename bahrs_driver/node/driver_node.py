@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The node: it wires the parts of a device, its port and its topics together."""
+"""The node: it connects the port, the pipeline and the topics of a device."""
 
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext
@@ -25,7 +25,7 @@ from bahrs_driver.node.diagnostics_publisher import DiagnosticsPublisher, TOPIC
 from bahrs_driver.node.nvm_services import NvmServices
 from bahrs_driver.node.sim_time import keep_host_time
 from bahrs_driver.node.topics import QUEUE_DEPTH, Topics
-from bahrs_driver.pipeline import DecodingFault, Notice
+from bahrs_driver.pipeline import DecodingFault, Notice, Stamped
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.protocol.message import Message
 from bahrs_driver.settings.command_line import RosArguments
@@ -58,11 +58,11 @@ class DriverNode(ParameterNode):
         super().__init__(arguments)
         self._log = self.get_logger()  # type: ignore[no-untyped-call]
         self.faults = FaultLog(self._log.error, self._log.debug)
-        given = NodeSettings(self, arguments, parameter_table())
-        settings = given.settings
-        ParameterRequests(self, given)
+        node_settings = NodeSettings(self, arguments, parameter_table())
+        settings = node_settings.settings
+        ParameterRequests(self, node_settings)
         keep_host_time(self)
-        self._spec = DEVICES[given.sensor]
+        self._spec = DEVICES[node_settings.sensor]
         self._parts = parts = self._spec.parts(settings)
         self._link = _link(settings)
         self._live = live = parts.live(self._link)
@@ -80,8 +80,8 @@ class DriverNode(ParameterNode):
         self._nvm_services = self._create_services()
         self._subscribe_to_pulses(parts.pulse_topic)
         self._create_timers()
-        for sentence in (*given.warnings(), *parts.warnings):
-            self._log.warning(sentence)
+        for warning in (*node_settings.warnings(), *parts.warnings):
+            self._log.warning(warning)
 
     @property
     def threads(self) -> Mapping[str, Callable[[], None]]:
@@ -110,7 +110,7 @@ class DriverNode(ParameterNode):
             self.faults.survive(f'handling the event {type(event).__name__}', self._handle, event)
 
     def _handle(self, event: PortEvent) -> None:
-        """Publish and log what an event of the port means."""
+        """Dispatch an event of the port."""
         match event:
             case Decoded():
                 self._publish_events(event)
@@ -140,13 +140,13 @@ class DriverNode(ParameterNode):
         if not event.reported:
             self._log.error(event.reason)
         if self._live.nvm:
-            self._live.nvm.lost(event.reason)
+            self._live.nvm.abandon(event.reason)
         self.faults.survive('publishing that data is lost', lambda: self._topics.publish(
-            self._parts.converter.lost(time.time_ns())))
+            self._parts.converter.end_stream(time.time_ns())))
         self._diagnostics.report_change()
 
     def _publish_bytes(self, event: BytesRead) -> None:
-        """Publish the bytes of a read if publish.raw is set, and the loss of a stale stream."""
+        """Publish the bytes of a read if publish.raw is set; check for silence; flush topics."""
         if self._topics.raw:
             (data, now), connection = event.reading, event.connection
             metadata = ReadMetadata(self._spec.name, connection.number, connection.byte_time_ns,
@@ -157,31 +157,34 @@ class DriverNode(ParameterNode):
         self._topics.flush()
 
     def _publish_silence(self) -> None:
-        """Publish that the device is silent, if it is."""
+        """Publish that the device is silent if its data is stale."""
         if self._parts.health.stale(time.monotonic()):
-            self._topics.publish(self._parts.converter.silent(time.time_ns()))
+            self._topics.publish(self._parts.converter.report_silence(time.time_ns()))
 
     def _publish_events(self, decoded: Decoded) -> None:
-        """Publish the messages of one read; log notices and faults."""
+        """Publish the messages of one read; log its notices and faults."""
         self._send_requests()           # first, because the line is idle after an answer
-        now, survive = time.monotonic(), self.faults.survive
-        parts, nvm = self._parts, self._live.nvm
-        for item in decoded.events:
-            if isinstance(item, Notice):
-                self._log.warning(item.text)
-                self._time_task.notice(item.text, now)
-            elif isinstance(item, DecodingFault):
-                self.faults.report('decoding a frame', item.error)
+        now = time.monotonic()
+        for event in decoded.events:
+            if isinstance(event, Notice):
+                self._log.warning(event.text)
+                self._time_task.notice(event.text, now)
+            elif isinstance(event, DecodingFault):
+                self.faults.report('decoding a frame', event.error)
             else:
-                message, frame, stamp_ns = item
-                survive(f'publishing {message.NAME}', self._publish_message, message, stamp_ns)
-                survive('watching the data', parts.health.observe, message, now)
-                if nvm:
-                    survive('reading the memory', nvm.receive, message, frame)
-        survive('watching the clock', self._time_task.update, now)
-        for sentence in parts.take_notices():
-            self._log.warning(sentence)
+                self._handle_message(event, now)
+        self.faults.survive('watching the clock', self._time_task.update, now)
+        for notice in self._parts.take_notices():
+            self._log.warning(notice)
         self._diagnostics.report_change()
+
+    def _handle_message(self, stamped: Stamped, now: float) -> None:
+        message, frame, stamp_ns = stamped
+        survive, nvm = self.faults.survive, self._live.nvm
+        survive(f'publishing {message.NAME}', self._publish_message, message, stamp_ns)
+        survive('watching the data', self._parts.health.observe, message, now)
+        if nvm:
+            survive('reading the memory', nvm.receive, message, frame)
 
     def _publish_message(self, message: Message, stamp_ns: int) -> None:
         self._topics.publish(self._parts.converter.convert(message, stamp_ns))
@@ -194,7 +197,7 @@ class DriverNode(ParameterNode):
         """Report changes that need no data, and serve slow subscribers."""
         self._topics.supervise()
         self._diagnostics.report_change()
-        # The reason why the port is not open was logged when it closed.
+        # While the port is closed, its error is already in the log.
         is_open = self._reader.counters.open_since is not None
         self._problems.check(self._updater.summaries() if is_open else {}, time.monotonic())
 

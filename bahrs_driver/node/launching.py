@@ -64,7 +64,7 @@ def _start_node(context: LaunchContext, sensor: str) -> list[LaunchDescriptionEn
     return [Node(
         package=PACKAGE, executable='driver_node', output='screen',
         name=values['name'], namespace=values['namespace'],
-        # Rules on the command line override the file, whatever node name it has.
+        # Rules on the command line override the file, for any node name in it.
         parameters=[str(file),
                     *(Parameter(name, value, value_type=str)
                       for name, value in given.items() if value)])]

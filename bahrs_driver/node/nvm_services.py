@@ -8,7 +8,7 @@ thread, and its callback is a coroutine that waits for the result: the executor 
 callbacks meanwhile. The parameters nvm.* are read at each request.
 """
 
-from collections.abc import Callable, Coroutine, Iterable
+from collections.abc import Callable, Coroutine, Sequence
 from concurrent import futures
 import hashlib
 import json
@@ -35,7 +35,7 @@ Callback = Callable[[Trigger.Request, Trigger.Response],
 
 
 class NvmServices:
-    """Responds to requests for pages, and publishes every page that was read."""
+    """Serves requests for pages, and publishes every page that was read."""
 
     def __init__(self, node: Node, reader: NvmReader, page_count: int, faults: FaultLog) -> None:
         """Create the services and the topic `nvm/page` on a node that has the nvm parameters."""
@@ -68,7 +68,7 @@ class NvmServices:
         return callback
 
     def _run_in_thread(self, action: Callable[[], Content]) -> Future:
-        """Return the future content of a response, whatever the action raises."""
+        """Run an action in a thread; return a future with its content, or with its error."""
         result = Future()
 
         def run() -> None:
@@ -97,7 +97,7 @@ class NvmServices:
 
     def _dump(self) -> Content:
         settings = self._settings()
-        # The file first: its problems are reported before the stream is stopped.
+        # Open the file first: if that fails, the stream need not be interrupted.
         with dump_file(settings.directory, settings.dump_path) as (path, file):
             image = self._read(range(self._page_count))
             file.write(image)
@@ -109,12 +109,11 @@ class NvmServices:
             return {'cancelled': True}
         return {'error': 'no NVM request is under way'}
 
-    def _read(self, wanted: Iterable[int]) -> bytes:
-        wanted = list(wanted)
+    def _read(self, numbers: Sequence[int]) -> bytes:
         settings = self._settings()
         options = SessionOptions(settings.enter_timeout, settings.service_frames)
-        pages = self._reader.read(wanted, options, self._publish)
-        return b''.join(pages[number] for number in wanted)
+        pages = self._reader.read(numbers, options, self._publish)
+        return b''.join(pages[number] for number in numbers)
 
     def _publish(self, number: int, page: bytes) -> None:
         self._pages.publish(nvm_page.message(number, page))

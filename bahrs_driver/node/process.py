@@ -21,7 +21,7 @@ import rclpy
 from rclpy.utilities import remove_ros_args
 
 RESTART_PERIOD = 1.0        # s before a failed thread runs again
-SET_BACK = 0.1              # s; setting the host clock back by more can hang the exit
+SET_BACK = 0.1              # s; after the host clock is set back by more, the exit can hang
 
 
 def run(shutdown: ShutdownEvent) -> int:

@@ -137,7 +137,7 @@ class _SecondPass:
             for topic, page in self._parts.service_messages(message):
                 self._order.add(now, topic, page)
         if lost:
-            self._add(converter.lost(moment.ros_ns), now)
+            self._add(converter.end_stream(moment.ros_ns), now)
         self._add_reports(self._diagnostics.update(chunk, moment, events))
 
     def _add(self, messages: Iterator[tuple[str, object]], log_ns: int) -> None:

@@ -260,7 +260,7 @@ def test_the_sign_is_the_nearer_one(attitudes):
                                  STAMP)])
         assert (np.sum(found[1:] * found[:-1], axis=1) >= -1e-12).all()
         assert found[0][3] >= 0
-        list(converter.lost(STAMP))
+        list(converter.end_stream(STAMP))
 
 
 def test_an_attitude_that_is_unavailable_for_a_while_keeps_the_sign():

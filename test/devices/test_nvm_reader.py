@@ -227,7 +227,7 @@ def test_lost_link(made, in_background):
     device = made()
     device.silent = True
     result, thread = in_background(device)
-    device.reader.lost('/dev/ttyUSB0 is gone')
+    device.reader.abandon('/dev/ttyUSB0 is gone')
     thread.join()
     assert result == {'error': '/dev/ttyUSB0 is gone'}
 
@@ -238,7 +238,7 @@ def test_a_write_that_fails_before_its_link_is_known_to_be_lost(made, in_backgro
     device = made()
     device.broken = True
     result, thread = in_background(device)
-    device.reader.lost('/dev/ttyUSB0 is gone: plug it in again')
+    device.reader.abandon('/dev/ttyUSB0 is gone: plug it in again')
     thread.join()
     assert result == {'error': '/dev/ttyUSB0 is gone: plug it in again'}
 

@@ -105,13 +105,13 @@ class _Node:
         self.note(f'{event.reason} {event.reported}')
         if event.reason == 'end of the script':
             self._reader.stop()
-        self._publish(self._sensor.converter.lost(self._now.ros_ns))
+        self._publish(self._sensor.converter.end_stream(self._now.ros_ns))
 
     def _read(self, event: BytesRead) -> None:
         """Publish the loss of a stale stream."""
         self._now = event.reading.now
         if self._sensor.health.stale(self._now.raw_ns / SECOND):
-            self._publish(self._sensor.converter.silent(self._now.ros_ns))
+            self._publish(self._sensor.converter.report_silence(self._now.ros_ns))
 
     def _decoded(self, event: Decoded) -> None:
         """Publish what the messages of one read become."""

@@ -111,13 +111,13 @@ class BahrsConverter:
         """Present integrity of each signal; None if none was received."""
         return self._notice.signals
 
-    def lost(self, stamp_ns: int) -> Outgoing:
+    def end_stream(self, stamp_ns: int) -> Outgoing:
         """Forget the stream; return the notice that no signal is known, at the present time."""
         self._forget()
         notice = self._notice.forget(stamp_ns, self._options.frame_id)
         return iter([('integrity', notice)] if notice else [])
 
-    def silent(self, stamp_ns: int) -> Outgoing:
+    def report_silence(self, stamp_ns: int) -> Outgoing:
         """Return the notice that no signal is known any more, at the present time."""
         notice = self._notice.forget(stamp_ns, self._options.frame_id) \
             if self._notice.known else None

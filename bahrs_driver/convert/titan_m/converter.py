@@ -118,12 +118,12 @@ class TitanConverter:
                                  _diagonal(math.hypot(deviations.rate, ADC_RATE * ROUNDING)))
         self._forget()
 
-    def lost(self, _stamp_ns: int) -> Outgoing:
+    def end_stream(self, _stamp_ns: int) -> Outgoing:
         """Forget the stream; no message reports its end."""
         self._forget()
         return iter(())
 
-    def silent(self, _stamp_ns: int) -> Outgoing:
+    def report_silence(self, _stamp_ns: int) -> Outgoing:
         """Return nothing: no topic reports a pause."""
         return iter(())
 

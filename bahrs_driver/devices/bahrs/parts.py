@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The parts that work on a stream of a BAHRS."""
+"""Create the parts for a stream of a BAHRS."""
 
 from collections.abc import Iterator, Mapping
 import math
@@ -29,7 +29,7 @@ SILENCE_HINT = ('is the device powered, and is its line connected? A Titan-M sen
 
 
 def make_parts(settings: BahrsSettings) -> Parts:
-    """Return new parts for one stream of a BAHRS."""
+    """Create the parts for one stream."""
     frame_format = BahrsFormat(settings.crc_order)
     converter = BahrsConverter(_options(settings))
     reference = settings.time.sync_pulse.reference

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The parts that work on a stream of a Titan-M."""
+"""Create the parts for a stream of a Titan-M."""
 
 from collections.abc import Iterator, Mapping
 import math
@@ -33,7 +33,7 @@ PAUSES = 2.5            # periods of the most frequent answer before the device 
 
 
 def make_parts(settings: TitanMSettings) -> Parts:
-    """Return new parts for one stream of a Titan-M; if all rates are 0, they make no requests."""
+    """Create the parts for one stream; without a rate above 0, they send no requests."""
     frame_format = AnswerFormat(settings.checksum_order)
     rates = _rates(settings)
     poller = _poller(settings, rates, frame_format)

@@ -223,7 +223,7 @@ def test_a_lost_stream_is_told():
     """Nothing is known any more, and the first sample of the next stream is a change again."""
     converter = BahrsConverter(OPTIONS)
     list(converter.convert(INERTIAL, 1000))
-    notice = dict(converter.lost(5000))['integrity']
+    notice = dict(converter.end_stream(5000))['integrity']
     assert set(states(notice).values()) == {(b'\x03', 'not_heard')}
     assert 'integrity' in dict(converter.convert(INERTIAL, 6000))
 
@@ -286,7 +286,7 @@ def test_another_stream_begins_afresh():
     converter = BahrsConverter(OPTIONS)
     for message in (ACCURACY, INERTIAL):
         list(converter.convert(message, STAMP))
-    converter.lost(STAMP)
+    converter.end_stream(STAMP)
     imu = dict(converter.convert(NAVIGATION, STAMP))['imu/data']
     assert list(imu.orientation_covariance) == [0] * 9
     assert imu.linear_acceleration_covariance[0] == -1

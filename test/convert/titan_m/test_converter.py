@@ -151,7 +151,7 @@ def test_odometry_begins_with_the_first_fix():
     assert 'odometry' not in converted(parts, STATE)
     converted(parts, GPS)
     assert 'odometry' in converted(parts, STATE)
-    parts.lost(STAMP)
+    parts.end_stream(STAMP)
     assert 'odometry' not in converted(parts, STATE)
 
 
@@ -163,7 +163,7 @@ def test_where_others_ask_what_comes_tells_what_to_make_of_it():
     assert 'velocity' in converted(parts, GPS, late)
     assert 'odometry' in converted(parts, STATE, late)
     assert 'velocity' not in converted(parts, GPS, late + MS)    # it has come
-    parts.lost(late)
+    parts.end_stream(late)
     assert 'odometry' not in converted(parts, STATE)             # nor is there a fix yet
     assert 'odometry' in converted(parts, STATE, late)
     converted(parts, replace(GPS, zone=0), late)
