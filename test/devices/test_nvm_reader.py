@@ -61,7 +61,7 @@ class Device:
         self._receiver.join()
 
     def write(self, data, _wait=True):
-        """Take what the host sends."""
+        """Receive bytes of the host."""
         if self.broken:
             raise LinkError('the port is gone')
         if self.silent:

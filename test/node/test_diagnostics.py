@@ -62,7 +62,7 @@ def test_a_healthy_device_is_ok_in_every_task(cable):
         assert values(ear, 'Integrity')['roll'] == 'safe'
 
 
-# What is wrong, and what the user is told. The README has the same table.
+# Faults and their messages, as in the table of the README.
 FAULTS = {
     'wrong baud rate': (lambda data, index: bytes(b >> 1 ^ 0xA5 for b in data), 'Framing', ERROR,
                         'Bytes arrive, but no frame of a bahrs: is 115200 the baud rate'),

@@ -19,7 +19,7 @@ def resident(process):
 
 
 def frames(chance):
-    """Return many frames of versions that nobody knows."""
+    """Return many frames of unknown versions."""
     return b''.join(build_frame(chance.randrange(4, 65536), chance.randrange(256), b'', 'byte')
                     for _ in range(FRAMES))
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a subscriber is told of the integrity of each sample is what the device sent."""
+"""Test that subscribers receive the integrity that the device sent with each sample."""
 
 from bisect import bisect_right
 import math
@@ -18,7 +18,7 @@ from support.devices import DEEP, Device, DIAGNOSTICS, SAFE, says
 from support.processes import driver, listening, wait_for
 
 SIGNALS = Inertial.SIGNALS + Navigation.SIGNALS
-WORTH = {Integrity.SAFE: 1, Integrity.INTEGRITY_RISK: 100}
+FACTOR = {Integrity.SAFE: 1, Integrity.INTEGRITY_RISK: 100}       # of the variance
 STATES = {2: [Integrity.UNAVAILABLE, Integrity.SAFE], 3: list(Integrity)}
 
 
@@ -105,20 +105,20 @@ def number(imu):
     return round(imu.linear_acceleration.x / FORCE)
 
 
-def sources(heard, first, sent, published):
+def sources(received, first, sent, published):
     """Return pairs of a message on a topic, from the first one on, and its source."""
     sent = sent[first:]
-    pairs = list(zip(heard, [message for message in sent if published(message)]))
+    pairs = list(zip(received, [message for message in sent if published(message)]))
     assert len(pairs) > 0.3 * len(sent)
     return pairs
 
 
-def check_inertial(heard, notices, sent):
-    """Every component is there exactly when it is available, with what it is worth."""
-    messages = heard['imu/data_raw']
+def check_inertial(received, notices, sent):
+    """Check that exactly the available components are published, with their variances."""
+    messages = received['imu/data_raw']
     for imu, message in sources(messages, number(messages[0]), sent, lambda m: True):
-        said = notices.at(nanoseconds(imu))
-        assert [said[name] for name in Inertial.SIGNALS] == [s.label for s in message.health]
+        notice = notices.at(nanoseconds(imu))
+        assert [notice[name] for name in Inertial.SIGNALS] == [s.label for s in message.health]
         force, rate = imu.linear_acceleration, imu.angular_velocity
         values = (force.x, force.y, force.z, rate.x, rate.y, rate.z)
         assert [math.isnan(value) for value in values] == [
@@ -128,7 +128,7 @@ def check_inertial(heard, notices, sent):
 
 
 def check_variances(matrix, health, variance):
-    """Nothing that is not safe has the variance of what is safe."""
+    """Check that only safe components have the variance of a safe one."""
     if not any(state.available for state in health):
         assert matrix[0] == -1
         return
@@ -136,9 +136,9 @@ def check_variances(matrix, health, variance):
     assert matrix[[0, 4, 8]] == pytest.approx([factors.get(state, 1e6) for state in health])
 
 
-def check_navigation(heard, notices, sent):
-    """Topics come exactly when their signal is available, with what it is worth."""
-    poses, twists, headings = heard['altitude/pose'], heard['velocity'], heard['heading']
+def check_navigation(received, notices, sent):
+    """Check that topics are published exactly when their signal is available."""
+    poses, twists, headings = received['altitude/pose'], received['velocity'], received['heading']
     first = round(poses[0].pose.pose.position.z / HEIGHT)
     for pose, message in sources(poses, first, sent, lambda m: m.health[0].available):
         assert pose.pose.pose.position.z == pytest.approx(message.pressure_height, abs=0.1)
@@ -146,7 +146,7 @@ def check_navigation(heard, notices, sent):
         assert pose.pose.covariance[14] == (1 if message.health[0] is Integrity.SAFE else 100)
     stamps = [nanoseconds(pose) for pose in poses]
     for topic in ('static_pressure', 'pressure_altitude'):
-        same = [nanoseconds(message) for message in heard[topic]]
+        same = [nanoseconds(message) for message in received[topic]]
         begin = max(stamps[0], same[0])
         assert all(a == b for a, b in zip(stamps[stamps.index(begin):], same[same.index(begin):]))
     first = round(-twists[0].twist.twist.linear.z / VELOCITY)
@@ -160,10 +160,10 @@ def check_navigation(heard, notices, sent):
         assert math.isnan(heading.data) == (not message.health[4].available)
 
 
-def check_attitude(heard, notices, inertial, navigation):
-    """Orientation has the worth of roll, pitch and heading, or is not reported."""
-    imus = heard['imu/data']
-    # What the port brought first may be a navigation message without its inertial sample.
+def check_attitude(received, notices, inertial, navigation):
+    """Check that the covariance of the orientation follows roll, pitch and heading."""
+    imus = received['imu/data']
+    # The first message may be a navigation message without its inertial sample.
     while math.isnan(imus[0].linear_acceleration.x):
         imus = imus[1:]
     begin = number(imus[0]) // 2
@@ -173,7 +173,7 @@ def check_attitude(heard, notices, inertial, navigation):
     # The first may have come before the first accuracy message.
     for imu, message in list(zip(imus, published))[20:]:
         check_notice(notices.at(nanoseconds(imu)), message)
-        if not level(message):
+        if not tilt_factor(message):
             assert imu.orientation_covariance[0] == -1
             continue
         heading = message.health[4]
@@ -181,26 +181,26 @@ def check_attitude(heard, notices, inertial, navigation):
         # Without a heading the larger of the two counts for both.
         tilts = (4e-4, 1e-4) if heading.available else (4e-4, 4e-4)
         assert (east, north) == pytest.approx(
-            tuple(tilt * level(message) for tilt in tilts), rel=0.02)
-        assert up == pytest.approx(9e-4 * WORTH[heading] if heading.available else 1e6, rel=0.02)
+            tuple(tilt * tilt_factor(message) for tilt in tilts), rel=0.02)
+        assert up == pytest.approx(9e-4 * FACTOR[heading] if heading.available else 1e6, rel=0.02)
         if heading.available:
             complete.append(nanoseconds(imu))
-    fields = [nanoseconds(field) for field in heard['imu/mag']]
+    fields = [nanoseconds(field) for field in received['imu/mag']]
     assert len(complete) > 100
     begin = max(complete[0], fields[0])     # whichever topic was found later
     assert all(a == b for a, b in zip(complete[complete.index(begin):],
                                       fields[fields.index(begin):]))
 
 
-def level(message):
-    """Return the worth of roll and pitch together, 0 if either is not there."""
+def tilt_factor(message):
+    """Return the larger variance factor of roll and pitch; 0 if either is unavailable."""
     roll, pitch = message.health[2:4]
-    return max(WORTH[roll], WORTH[pitch]) if roll.available and pitch.available else 0
+    return max(FACTOR[roll], FACTOR[pitch]) if roll.available and pitch.available else 0
 
 
-def check_notice(said, message):
-    """Check that the notice for a sample is what the device said with it."""
-    assert [said[name] for name in Navigation.SIGNALS] == [s.label for s in message.health]
+def check_notice(notice, message):
+    """Check that the notice for a sample has the integrity that the device sent with it."""
+    assert [notice[name] for name in Navigation.SIGNALS] == [s.label for s in message.health]
 
 
 def test_a_late_joiner_gets_the_present_state(cable):
@@ -267,8 +267,8 @@ def test_a_silent_device_leaves_no_signal_safe(cable):
                 assert wait_for(lambda: known() == {'safe'})
                 ear.wait('imu/data_raw', len(ear.heard['imu/data_raw']) + 20)
             assert wait_for(lambda: known() == {'not_heard'})
-        told = Notices(ear.heard['integrity'])
-        assert all(told.at(nanoseconds(imu))['angular_rate_x'] == 'safe'
+        notices = Notices(ear.heard['integrity'])
+        assert all(notices.at(nanoseconds(imu))['angular_rate_x'] == 'safe'
                    for imu in ear.heard['imu/data_raw'][1:])
 
 

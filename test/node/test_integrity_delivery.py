@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Who gets which notices on `integrity`, with the real middleware and real processes."""
+"""Test which subscribers receive which notices on `integrity`, with real processes."""
 
 import os
 import signal

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sync pulses through the node and the emulator as processes, and somebody who tells of them."""
+"""Test sync pulses with node and emulator as processes, and a publisher of pulse times."""
 
 import math
 import time
@@ -16,11 +16,11 @@ from support.devices import DIAGNOSTICS, status, StoppableThread
 from support.processes import driver, listening, running, wait_for
 
 SECOND = 10 ** 9
-TOLD_EARLY = 4_000_000      # ns, so that it can be seen whose word was taken
+LEAD = 4_000_000      # ns; shows which source of pulse times the stamps follow
 
 
-class Teller(StoppableThread):
-    """Publishes the time of a pulse after each whole second, less TOLD_EARLY."""
+class PulsePublisher(StoppableThread):
+    """Publishes the time of a pulse after each whole second, less LEAD."""
 
     def __init__(self, node, reliability):
         """Publish from a node."""
@@ -30,56 +30,57 @@ class Teller(StoppableThread):
 
     def run(self):
         """Publish until the end."""
-        told = time.time_ns() // SECOND
+        published = time.time_ns() // SECOND
         while not self._ended.wait(0.02):
-            if time.time_ns() // SECOND > told:
-                told += 1
+            if time.time_ns() // SECOND > published:
+                published += 1
                 message = TimeReference(source='test')
                 message.header.stamp.sec, message.header.stamp.nanosec = divmod(
-                    told * SECOND - TOLD_EARLY, SECOND)
+                    published * SECOND - LEAD, SECOND)
                 self._publisher.publish(message)
 
 
 @given(seconds=st.integers(-2 ** 31, 2 ** 31 - 1), nanoseconds=st.integers(0, 2 ** 32 - 1))
-def test_any_time_of_a_pulse_is_taken(seconds, nanoseconds):
-    """It comes from another node, and may be invalid."""
+def test_any_time_of_a_pulse_is_accepted(seconds, nanoseconds):
+    """The time comes from another node, and may be invalid."""
     message = TimeReference()
     message.header.stamp.sec, message.header.stamp.nanosec = seconds, nanoseconds
-    heard = []
-    clock = SimpleNamespace(pulse_reference=heard.append)
+    received = []
+    clock = SimpleNamespace(pulse_reference=received.append)
     DriverNode._on_pulse_reference(SimpleNamespace(_parts=SimpleNamespace(clock=clock)), message)
     reference = PulseReference(SECOND, external=True)
-    reference.add(*heard)
-    assert heard == [seconds * SECOND + nanoseconds]
-    assert reference.find(time.time_ns()) in (None, *heard)
+    reference.add(*received)
+    assert received == [seconds * SECOND + nanoseconds]
+    assert reference.find(time.time_ns()) in (None, *received)
 
 
 def delay_by_pulses(ear):
     """Return the delay by pulses in us; NaN until stamps follow them."""
-    said = {pair.key: pair.value for pair in status(ear, 'Time').values} \
+    values = {pair.key: pair.value for pair in status(ear, 'Time').values} \
         if status(ear, 'Time') else {}
-    told = said.get('Least delay by pulses [us]', 'unknown')
-    follows = said.get('Source in use') == 'sync_pulse' and told != 'unknown'
-    return float(told) if follows else math.nan
+    delay = values.get('Least delay by pulses [us]', 'unknown')
+    follows = values.get('Source in use') == 'sync_pulse' and delay != 'unknown'
+    return float(delay) if follows else math.nan
 
 
-@pytest.mark.parametrize('told, reliability', [
+@pytest.mark.parametrize('external, reliability', [
     (False, ReliabilityPolicy.RELIABLE), (True, ReliabilityPolicy.RELIABLE),
     (True, ReliabilityPolicy.BEST_EFFORT)])
-def test_stamps_follow_pulses(tmp_path, told, reliability):
-    """At whole seconds of the host clock, or by a publisher of either reliability."""
+def test_stamps_follow_pulses(tmp_path, external, reliability):
+    """Pulses are at whole seconds of the host clock, or at times from a publisher."""
     link = str(tmp_path / 'port')
-    words = {'time__sync_pulse__reference': 'pulses'} if told else {}
+    words = {'time__sync_pulse__reference': 'pulses'} if external else {}
     with listening(DIAGNOSTICS) as ear, running(
             'bahrs', 'emulate', '--link', link, '--sync-pulse-rate', '1') as emulator:
         assert wait_for(lambda: emulator.lines)
-        with Teller(ear.node, reliability), driver(link, time__source='sync_pulse', **words):
-            early = TOLD_EARLY / 1000 if told else 0
+        with PulsePublisher(ear.node, reliability), \
+                driver(link, time__source='sync_pulse', **words):
+            early = LEAD / 1000 if external else 0
             assert wait_for(lambda: -1000 < delay_by_pulses(ear) - early < 3000)
 
 
 def test_the_subscription_can_be_overridden(tmp_path):
-    """As that of any publisher."""
+    """Like the quality of service of any publisher."""
     words = {'time__sync_pulse__reference': 'pulses', 'time__source': 'sync_pulse',
              'qos_overrides./pulses.subscription.reliability': 'reliable'}
     with listening(DIAGNOSTICS) as ear, driver(str(tmp_path / 'port'), **words) as node:

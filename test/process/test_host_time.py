@@ -19,7 +19,7 @@ class Clocks:
     CLOCK_MONOTONIC = time.CLOCK_MONOTONIC
 
     def __init__(self, pauses):
-        """Take the pause after each reading; then there are none."""
+        """Pause after each reading for the given times, then not at all."""
         self._pauses = iter(pauses)
         self.monotonic = 10 ** 12
         self.offset = OFFSET

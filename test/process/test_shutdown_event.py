@@ -16,7 +16,7 @@ import os, signal, sys, threading, time
 from bahrs_driver.process.shutdown_event import end_process, ShutdownEvent
 event = ShutdownEvent()
 """
-# The signal is blocked in the main thread, so that the system hands it to the other one.
+# The signal is blocked in the main thread: the system delivers it to the other one.
 ANOTHER_THREAD = PREFIX + """
 event.install_signal_handlers()
 threading.Thread(target=time.sleep, args=(3600,), daemon=True).start()

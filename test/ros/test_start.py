@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what is found out before ROS is started, and how its errors read."""
+"""Test the checks before ROS is started, and the sentences about its errors."""
 
 import os
 import subprocess
@@ -93,7 +93,7 @@ def test_a_log_directory_that_is_locked(tmp_path):
 
 @given(st.sampled_from([RuntimeError, OSError, ValueError, KeyError, ZeroDivisionError]), TEXTS)
 def test_any_exception_becomes_one_sentence(kind, text):
-    """Whatever is in it; Ctrl-C is none."""
+    """Any exception is explained, except Ctrl-C."""
     with pytest.raises(RosStartError) as caught, start_errors([]):
         raise kind(text)
     assert str(caught.value).isprintable() and 0 < len(str(caught.value)) < 600

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whatever is given to the driver: it starts, or says in one sentence why not."""
+"""Test that the driver starts with any arguments, or explains in one sentence why not."""
 
 import os
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which value of a parameter is used: the last on the command line, whatever rcl makes of it."""
+"""Test that the last value of a parameter on the command line is used, unlike in rcl."""
 
 from bahrs_driver.settings.command_line import RosArguments
 from hypothesis import given, strategies as st

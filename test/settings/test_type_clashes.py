@@ -28,7 +28,7 @@ def used(words):
         context.try_shutdown()
 
 
-def lost(words):
+def ignored(words):
     """Return the sentences about a command line."""
     return list(ignored_values(RosArguments.from_words(words), '/bahrs_driver'))
 
@@ -53,7 +53,7 @@ def test_what_rcl_does_not_use_is_reported(tmp_path_factory, sources):
     value = used(words)
     rules_last = sources[-1][0] == 'rule'
     expected = not rules_last and (value, type(value)) != (VALUES[last], type(VALUES[last]))
-    assert bool(lost(words)) == expected
+    assert bool(ignored(words)) == expected
 
 
 def test_it_is_among_the_settings_without_effect(monkeypatch, capfd, tmp_path):
