@@ -195,10 +195,14 @@ def test_bad_options(tmp_path):
 def test_a_driver_that_is_started_later(tmp_path):
     """Messages before discovery are counted, and the remedy is printed."""
     bag = tmp_path / 'bag'
-    with PtyPort() as port, Device(port), running(
+    with PtyPort() as port, Device(port) as device, running(
             'bahrs', 'record', '-o', str(bag)) as recorder:
         assert wait_for(lambda: 'there is no driver' in recorder.text, LONG)
+        # While it is stopped, it cannot discover the driver.
+        os.kill(recorder.pid, signal.SIGSTOP)
         with driver(port.path, **DEEP):
+            assert wait_for(lambda: len(device.inertial) > 100, LONG)
+            os.kill(recorder.pid, signal.SIGCONT)
             assert wait_for(lambda: size(bag) > 60_000, LONG)
             assert recorder.end() == 0
     assert 'startup.wait_for_subscribers' in recorder.text

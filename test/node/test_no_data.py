@@ -113,7 +113,8 @@ def test_no_task_stays_content_once_the_port_is_gone(tmp_path):
 def test_no_task_of_a_titan_m_stays_content_once_the_port_is_gone(tmp_path):
     """Although it answered just before."""
     path = str(tmp_path / 'port')
-    with listening(DIAGNOSTICS) as ear, driver(path, sensor='titan_m'):
+    rates = {'state__rate': 20, 'sensors__rate': 5, 'gps__rate': 1}         # for a busy host
+    with listening(DIAGNOSTICS) as ear, driver(path, sensor='titan_m', **rates):
         with running('bahrs', 'emulate', '--sensor', 'titan_m', '--link', path):
             for task in ('Link', 'Framing', 'Time', 'Rates', 'Requests', 'Publishing'):
                 assert says(ear, task, OK, ''), status(ear, task)

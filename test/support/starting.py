@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The driver started in this process, and ended at once: what it returns and prints."""
 
+import functools
 import sys
 from typing import Any, NamedTuple
 
 from bahrs_driver.node import process as node_process
 from bahrs_driver.process.shutdown_event import ShutdownEvent
+from support.domain import claim_domain
 
 
 class Start(NamedTuple):
@@ -32,8 +34,16 @@ class _EndAtOnce(ShutdownEvent):
         return False
 
 
+@functools.cache
+def _other_domain() -> str:
+    """Return a domain in which no other test of this process listens."""
+    return str(claim_domain())
+
+
 def start(monkeypatch: Any, capfd: Any, *words: str, port: str = '/nowhere') -> Start:
     """Start the driver with arguments of ROS, and let it end."""
+    # A node that could not start remains until the garbage collector finds it.
+    monkeypatch.setenv('ROS_DOMAIN_ID', _other_domain())
     arguments = ['driver_node', '--ros-args', '-p', f'port:={port}', *words]
     monkeypatch.setattr(sys, 'argv', arguments)
     capfd.readouterr()
