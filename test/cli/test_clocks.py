@@ -24,7 +24,7 @@ def test_the_host_clock_is_set_back(tmp_path, verb, kind):
             clock.used(), running('bahrs', verb, *words) as process:
         ear.wait('imu/data', 10)
         assert wait_for(lambda: ear.node.count_subscribers('imu/data') >= 2)
-        seen = len(ear.heard['imu/data'])
+        seen = len(ear.messages['imu/data'])
         clock.set_back(HOUR)
         ear.wait('imu/data', seen + 100)
         assert process.end(kind) in (0, 130)

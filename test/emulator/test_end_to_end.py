@@ -121,8 +121,8 @@ def test_a_subscriber_receives_the_truth(tmp_path):
                      '--noise', 'specific_force=0', '--noise', 'angular_rate=0',
                      '--truth', str(truth_file)):
             with driver(link) as node:
-                assert wait_for(lambda: len(ear.heard['heading']) >= 300), node.text
-        heard = {topic: list(messages) for topic, messages in ear.heard.items()}
+                assert wait_for(lambda: len(ear.messages['heading']) >= 300), node.text
+        heard = {topic: list(messages) for topic, messages in ear.messages.items()}
     lines = [json.loads(line) for line in truth_file.read_text().splitlines()]
     true = [math.degrees(line['magnetic_heading']) for line in lines
             if line['message'] == 'navigation']

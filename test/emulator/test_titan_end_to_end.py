@@ -222,7 +222,7 @@ def test_subscribers_receive_the_truth(tmp_path):
                 values = counted(ear)
                 assert node.end() == 0
             emulator.end()
-        heard = {topic: list(messages) for topic, messages in ear.heard.items()}
+        heard = {topic: list(messages) for topic, messages in ear.messages.items()}
     lines = [json.loads(line) for line in truth_file.read_text().splitlines()]
     true = {name: [line for line in lines if line['message'] == name]
             for name in MESSAGES}

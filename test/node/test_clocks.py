@@ -28,7 +28,7 @@ def seconds(message):
 
 def goes_on(ear, topic='/diagnostics', count=3):
     """Wait for more messages, and return them."""
-    seen = len(ear.heard[topic])
+    seen = len(ear.messages[topic])
     return ear.wait(topic, seen + count)[seen:]
 
 

@@ -121,7 +121,7 @@ def test_lost_frames_are_counted_right(tmp_path):
     assert {name: int(found[f'{name} lost']) for name in received} == {
         name: lost[name] for name in received}
     assert sum(lost.values()) > 10
-    assert any('Lost just now' in item.message for array in ear.heard['/diagnostics']
+    assert any('Lost just now' in item.message for array in ear.messages['/diagnostics']
                for item in array.status)
 
 
@@ -153,8 +153,8 @@ def test_the_device_gives_its_name(cable):
             assert says(ear, 'Device', OK, 'OSS 2.7')
             assert wait_for(lambda: values(ear, 'Device')['Device id']
                             == 'OSS-000000010000000200000003')
-            ear.wait('/diagnostics', len(ear.heard['/diagnostics']) + 1)
-    assert {(item.name.split(': ')[0], item.hardware_id) for array in ear.heard['/diagnostics']
+            ear.wait('/diagnostics', len(ear.messages['/diagnostics']) + 1)
+    assert {(item.name.split(': ')[0], item.hardware_id) for array in ear.messages['/diagnostics']
             for item in array.status} == {('bahrs_driver', cable.path)}     # they never change
 
 
@@ -216,7 +216,7 @@ def test_what_changes_with_every_sample_is_reported_twenty_times_a_second(cable)
         ear.wait('/diagnostics', 100)
         still[0] = True
         assert says(ear, 'Integrity', WARN, 'integrity risk')
-        count, elapsed = len(ear.heard['/diagnostics']), time.monotonic() - begin
+        count, elapsed = len(ear.messages['/diagnostics']), time.monotonic() - begin
     # What went out while the listener was held up comes at once.
     assert count <= 20 * (elapsed + 2.0)
 

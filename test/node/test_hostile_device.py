@@ -46,5 +46,5 @@ def test_frames_of_random_types_grow_neither_diagnostics_nor_memory(cable):
             sizes.append(resident(node))
         assert len(unknown(ear)) == 33 and unknown(ear)['other'] > 0.9 * counted
         assert max(sum(len(item.value) for item in found.values)
-                   for array in ear.heard['/diagnostics'] for found in array.status) < 4000
+                   for array in ear.messages['/diagnostics'] for found in array.status) < 4000
     assert max(sizes[-3:]) < sizes[ROUNDS // 3] + 8

@@ -83,7 +83,7 @@ def test_built_node_publishes_the_recording(prefix, tmp_path):
         node = Process(['bash', '-c', script])
         try:
             ear.wait('imu/data_raw', 1000)
-            assert ear.heard['imu/data_raw'][-1].linear_acceleration.z > 9.6
+            assert ear.messages['imu/data_raw'][-1].linear_acceleration.z > 9.6
         finally:
             status = node.end()
     assert status == 0, node.text

@@ -87,12 +87,12 @@ def test_every_sample_says_what_the_device_said_of_it(cable, version):
             ear.wait(topic)
         scenario.start()
         assert wait_for(lambda: scenario.begin and len(device.inertial) > scenario.end + 20)
-        assert wait_for(lambda: came(ear.heard['imu/data_raw'][-1], scenario.end + 10))
-    notices = Notices(ear.heard['integrity'])
+        assert wait_for(lambda: came(ear.messages['imu/data_raw'][-1], scenario.end + 10))
+    notices = Notices(ear.messages['integrity'])
     assert len(notices) >= 40
-    check_inertial(ear.heard, notices, device.inertial)
-    check_navigation(ear.heard, notices, device.navigation)
-    check_attitude(ear.heard, notices, device.inertial, device.navigation)
+    check_inertial(ear.messages, notices, device.inertial)
+    check_navigation(ear.messages, notices, device.navigation)
+    check_attitude(ear.messages, notices, device.inertial, device.navigation)
 
 
 def came(imu, index):
@@ -234,11 +234,11 @@ def test_a_level_change_is_in_diagnostics_within_a_tenth_of_a_second(cable):
             Device(cable, health=health):
         # The notices are latched: those from before the first report prove nothing.
         ear.wait('/diagnostics')
-        begin = len(ear.heard['integrity']) + 1
+        begin = len(ear.messages['integrity']) + 1
 
         def six_in_a_row():
             prompt = ''.join('y' if delay(ear, change) < 100_000_000 else 'n'
-                             for change in ear.heard['integrity'][begin:][-8:])
+                             for change in ear.messages['integrity'][begin:][-8:])
             return 'y' * 6 in prompt
 
         assert wait_for(six_in_a_row)
@@ -249,7 +249,7 @@ def delay(ear, change):
     """Return the nanoseconds from a change to the first report of its level."""
     level = max((item.level for item in change.status), key=ord)
     return min((nanoseconds(array) - nanoseconds(change)
-                for array in ear.heard['/diagnostics'][-200:]
+                for array in ear.messages['/diagnostics'][-200:]
                 for item in array.status
                 if item.name == 'bahrs_driver: Integrity' and item.level == level
                 and nanoseconds(array) >= nanoseconds(change)), default=math.inf)
@@ -258,18 +258,18 @@ def delay(ear, change):
 def test_a_silent_device_leaves_no_signal_safe(cable):
     """A late subscriber receives no old state, and each sample keeps its integrity."""
     def known():
-        notices = ear.heard['integrity']
+        notices = ear.messages['integrity']
         return notices and {item.message for item in notices[-1].status}
 
     with listening(TOPICS) as ear, driver(cable.path):
         for _ in range(2):
             with Device(cable):
                 assert wait_for(lambda: known() == {'safe'})
-                ear.wait('imu/data_raw', len(ear.heard['imu/data_raw']) + 20)
+                ear.wait('imu/data_raw', len(ear.messages['imu/data_raw']) + 20)
             assert wait_for(lambda: known() == {'not_heard'})
-        notices = Notices(ear.heard['integrity'])
+        notices = Notices(ear.messages['integrity'])
         assert all(notices.at(nanoseconds(imu))['angular_rate_x'] == 'safe'
-                   for imu in ear.heard['imu/data_raw'][1:])
+                   for imu in ear.messages['imu/data_raw'][1:])
 
 
 def test_a_lost_cable_leaves_no_signal_safe(tmp_path):
@@ -281,7 +281,7 @@ def test_a_lost_cable_leaves_no_signal_safe(tmp_path):
         with PtyPort(link) as cable, Device(cable):
             ear.wait('imu/data', 20)
             assert says(ear, 'Integrity', DiagnosticStatus.OK, 'All signals safe')
-        assert wait_for(lambda: ear.heard['integrity'] and {
-            item.message for item in ear.heard['integrity'][-1].status} == {'not_heard'})
+        assert wait_for(lambda: ear.messages['integrity'] and {
+            item.message for item in ear.messages['integrity'][-1].status} == {'not_heard'})
         assert says(ear, 'Integrity', DiagnosticStatus.STALE, 'No data')
         assert says(ear, 'Link', DiagnosticStatus.ERROR, '')

@@ -39,7 +39,7 @@ def letters(number):
 def heard(ear):
     """Return the states that this process has received."""
     return [''.join(status.message[0] for status in notice.status[-SIGNALS:])
-            for notice in ear.heard['integrity']]
+            for notice in ear.messages['integrity']]
 
 
 def join_late():
@@ -82,7 +82,7 @@ def test_a_subscriber_that_is_stopped_loses_no_change(changing):
         os.kill(stopped.pid, signal.SIGSTOP)
         # What fills its socket makes the middleware need what the publisher has kept.
         for _ in range(CHANGES):
-            ear.wait('imu/data_raw', len(ear.heard['imu/data_raw']) + 100)
+            ear.wait('imu/data_raw', len(ear.messages['imu/data_raw']) + 100)
             change()
         assert letters(1) not in stopped.text
         os.kill(stopped.pid, signal.SIGCONT)
@@ -105,5 +105,5 @@ def test_stamps_never_decrease_over_silence_and_lost_links(cable):
             assert wait_for(lambda: heard(ear)[-1:] == ['n' * SIGNALS])
             assert heard(ear).count('n' * SIGNALS) >= start
     stamps = [notice.header.stamp.sec * 10**9 + notice.header.stamp.nanosec
-              for notice in ear.heard['integrity']]
+              for notice in ear.messages['integrity']]
     assert stamps == sorted(stamps) and len(stamps) >= 6

@@ -67,7 +67,7 @@ def test_another_program_that_reads_the_port_is_reported_once(cable, first):
         assert says(ear, 'Link', ERROR, f'process {reader.pid}'), status(ear, 'Link')
         assert f'"fuser -v {cable.path}" lists all' in status(ear, 'Link').message
         assert wait_for(lambda: 'another program is reading' in node.text), node.text
-        ear.wait('imu/data_raw', len(ear.heard['imu/data_raw']) + 20)
+        ear.wait('imu/data_raw', len(ear.messages['imu/data_raw']) + 20)
         assert sum('is open' in line for line in node.lines) == 1, node.text
         assert sum('another program' in line for line in node.lines) == 1, node.text
         assert 'is gone' not in node.text
@@ -92,7 +92,7 @@ def test_a_serial_server(kind):
         with driver(f'{kind}://127.0.0.1:{made.getsockname()[1]}') as node:
             for turn in range(2):
                 server = SERVERS[kind](made.accept()[0])
-                before = len(ear.heard['imu/data_raw'])
+                before = len(ear.messages['imu/data_raw'])
                 with Device(ServedPort(server)):
                     ear.wait('imu/data_raw', before + 50)
                 server.close()
@@ -164,7 +164,7 @@ def test_a_port_name_forges_no_line_of_the_log(tmp_path):
         assert len(node.lines) == 1
         with Device(port):
             assert says(ear, 'Link', OK, shown)
-        assert all(text.isprintable() for array in ear.heard['/diagnostics']
+        assert all(text.isprintable() for array in ear.messages['/diagnostics']
                    for item in array.status for text in
                    (item.message, item.hardware_id, *(pair.value for pair in item.values)))
 

@@ -71,7 +71,7 @@ STATES = {'missing': (missing, 'does not exist'), 'held': (held, 'in use by anot
 def levels(ear):
     """Return the latest level of each task, by name."""
     return {item.name.rpartition(': ')[2]: item.level
-            for item in ear.heard['/diagnostics'][-1].status}
+            for item in ear.messages['/diagnostics'][-1].status}
 
 
 def content(ear):
@@ -90,7 +90,7 @@ def test_no_task_is_content_without_data(tmp_path, state, sensor):
         assert set(levels(ear)) == TASKS[sensor]
         allowed = {'Link'} if state == 'noisy' else set()
         assert wait_for(lambda: content(ear) == allowed), levels(ear)
-        ear.wait('/diagnostics', len(ear.heard['/diagnostics']) + 2)
+        ear.wait('/diagnostics', len(ear.messages['/diagnostics']) + 2)
         assert content(ear) == allowed
 
 
@@ -99,12 +99,12 @@ def test_no_task_stays_content_once_the_port_is_gone(tmp_path):
     path = str(tmp_path / 'port')
     with listening(DIAGNOSTICS) as ear, driver(path) as node:
         with PtyPort(path) as port, Device(port):
-            assert wait_for(lambda: ear.heard['/diagnostics']
+            assert wait_for(lambda: ear.messages['/diagnostics']
                             and content(ear) == TASKS['bahrs']), levels(ear)
         assert wait_for(lambda: not content(ear)), levels(ear)
-        seen = len(ear.heard['/diagnostics'])
+        seen = len(ear.messages['/diagnostics'])
         ear.wait('/diagnostics', seen + 3)
-        later = [item.message for array in ear.heard['/diagnostics'][seen:]
+        later = [item.message for array in ear.messages['/diagnostics'][seen:]
                  for item in array.status if item.name.endswith(': Link')]
         assert all('is gone' in message for message in later), later
         assert 'does not exist' not in node.text.partition('is gone')[2]

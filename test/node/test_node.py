@@ -32,19 +32,19 @@ def test_all_topics_in_another_process(cable):
         for topic in TOPICS:
             ear.wait(topic)
         ear.wait('imu/data_raw', 200)
-        raw, imu = ear.heard['imu/data_raw'][-1], ear.heard['imu/data'][-1]
+        raw, imu = ear.messages['imu/data_raw'][-1], ear.messages['imu/data'][-1]
         assert raw.linear_acceleration.z == pytest.approx(9.8, abs=1e-3)
         assert raw.orientation_covariance[0] == -1
         assert imu.header.frame_id == 'imu_link'
         assert imu.orientation_covariance[0] == pytest.approx(4e-4, rel=0.01)
-        turn = round(ear.heard['altitude/pose'][-1].pose.pose.position.z / HEIGHT)
+        turn = round(ear.messages['altitude/pose'][-1].pose.pose.position.z / HEIGHT)
         # The heading of the same moment, which may come before it or after.
         assert wait_for(lambda: any(
             heading.data == pytest.approx(math.degrees(ANGLE * turn), abs=0.002)
-            for heading in ear.heard['heading']))
-        joined = stamps(ear.heard['imu/data'])
-        assert wait_for(lambda: stamps(ear.heard['imu/data_raw'])[-1] >= joined[-1])
-        times = stamps(ear.heard['imu/data_raw'])
+            for heading in ear.messages['heading']))
+        joined = stamps(ear.messages['imu/data'])
+        assert wait_for(lambda: stamps(ear.messages['imu/data_raw'])[-1] >= joined[-1])
+        times = stamps(ear.messages['imu/data_raw'])
         assert times == sorted(set(times))
         # Either topic may have been found first.
         assert {time for time in joined if time >= times[0]} <= set(times)
@@ -63,8 +63,8 @@ def test_raw_has_every_byte_and_when_it_was_read(cable):
             Device(cable):
         # Each topic is found when it is: what counts is what raw itself has brought.
         ear.wait('imu/data_raw')
-        assert wait_for(lambda: sum(len(piece.data) for piece in list(ear.heard[TOPIC])) > 4000)
-        pieces = list(ear.heard[TOPIC])
+        assert wait_for(lambda: sum(len(piece.data) for piece in list(ear.messages[TOPIC])) > 4000)
+        pieces = list(ear.messages[TOPIC])
     assert all(piece.layout.dim[0].size == len(piece.data) for piece in pieces)
     framer = Framer(BahrsFormat())
     frames = [frame for piece in pieces for frame in framer.feed(piece.data.tobytes())]
@@ -79,7 +79,7 @@ def test_raw_has_every_byte_and_when_it_was_read(cable):
     assert times == sorted(times) and times[-1][1] <= time_ns()
     with listening(topics) as ear, driver(cable.path), Device(cable):
         ear.wait('imu/data_raw', 20)
-        assert not ear.heard[TOPIC] and not ear.node.count_publishers(TOPIC)
+        assert not ear.messages[TOPIC] and not ear.node.count_publishers(TOPIC)
 
 
 def test_ned_by_parameter(cable):
@@ -160,7 +160,7 @@ def test_missing_port_is_told_once_and_found_when_it_comes(tmp_path):
     link = str(tmp_path / 'ttyUSB0')
     with listening({**TOPICS, **DIAGNOSTICS}) as ear, driver(link) as node:
         assert says(ear, 'Link', DiagnosticStatus.ERROR, 'does not exist: plug the device in')
-        seen = len(ear.heard['/diagnostics'])
+        seen = len(ear.messages['/diagnostics'])
         ear.wait('/diagnostics', seen + 2)
         with PtyPort(link) as port, Device(port):
             ear.wait('imu/data', 10)
@@ -175,7 +175,7 @@ def test_unplugged_and_plugged_again_twenty_times(tmp_path):
         for time in range(1, 21):
             with PtyPort(link) as port, Device(port):
                 assert wait_for(lambda: sum('is open' in line for line in node.lines) == time)
-                before = len(ear.heard['imu/data'])
+                before = len(ear.messages['imu/data'])
                 ear.wait('imu/data', before + 20)
         assert node.alive
         assert wait_for(lambda: sum('is gone' in line for line in node.lines) == 20)
@@ -213,7 +213,7 @@ def test_real_recording_at_real_pace(tmp_path):
 
     def arrived():
         dropped = {pair.key: pair.value for pair in status(ear, 'Time').values}['Samples dropped']
-        return len(ear.heard['imu/data_raw']) + len(ear.heard['imu/data']) + int(dropped)
+        return len(ear.messages['imu/data_raw']) + len(ear.messages['imu/data']) + int(dropped)
 
     with listening({**TOPICS, **DIAGNOSTICS}) as ear, driver(link, **DEEP):
         # The node has found the ear by then, which asked for diagnostics last.
@@ -222,7 +222,7 @@ def test_real_recording_at_real_pace(tmp_path):
             assert player.wait(seconds + PATIENCE) == 0
             # The clock drops samples whose time cannot be, if the host let the player be late.
             assert wait_for(lambda: arrived() >= 300 * seconds), arrived()
-    raw, imu = ear.heard['imu/data_raw'], ear.heard['imu/data']
+    raw, imu = ear.messages['imu/data_raw'], ear.messages['imu/data']
     dropped = 300 * seconds - len(raw) - len(imu)
     assert arrived() == 300 * seconds and dropped >= 0
     for messages, rate in ((raw, 200), (imu, 100)):
@@ -236,7 +236,7 @@ def test_real_recording_at_real_pace(tmp_path):
     assert last.orientation.w == pytest.approx(math.sqrt(0.5), abs=1e-3)
     assert last.orientation.z == pytest.approx(math.sqrt(0.5), abs=1e-3)
     assert last.orientation_covariance[8] == 1e6
-    assert not ear.heard['imu/mag'] and math.isnan(ear.heard['heading'][-1].data)
-    assert ear.heard['pressure_altitude'][-1].altitude == pytest.approx(537.5, abs=1)
+    assert not ear.messages['imu/mag'] and math.isnan(ear.messages['heading'][-1].data)
+    assert ear.messages['pressure_altitude'][-1].altitude == pytest.approx(537.5, abs=1)
     unknown = sum(message.orientation_covariance[0] < 0 for message in imu)
     assert 8 - dropped <= unknown <= 8

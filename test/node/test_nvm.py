@@ -121,7 +121,7 @@ def test_read_page_and_dump(emulator, tmp_path):
         assert numbered(ear.wait('nvm/page', 252))[2:] == [
             (number, IMAGE[32 * number:32 * number + 32]) for number in range(250)]
 
-        ear.wait('imu/data', len(ear.heard['imu/data']) + 20)
+        ear.wait('imu/data', len(ear.messages['imu/data']) + 20)
         assert says(ear, 'Rates', DiagnosticStatus.OK, 'All messages at their rates')
 
 
@@ -143,7 +143,7 @@ def test_failures_are_told_and_leave_no_file(emulator, tmp_path):
         assert set(tmp_path.iterdir()) == before
         assert [number for number, _ in numbered(ear.wait('nvm/page', 9))] == list(range(9))
         assert services.ask('cancel') == (False, {'error': 'no NVM request is under way'})
-        ear.wait('imu/data', len(ear.heard['imu/data']) + 20)
+        ear.wait('imu/data', len(ear.messages['imu/data']) + 20)
 
 
 def test_targets_that_are_refused(emulator, tmp_path):
@@ -169,7 +169,7 @@ def test_targets_that_are_refused(emulator, tmp_path):
             assert not success and answer['error'].startswith('parameter nvm.dump_path: '), path
         assert snapshot(tmp_path) == before
         # Had the stream been stopped, pages would have come.
-        assert not ear.heard['nvm/page']
+        assert not ear.messages['nvm/page']
         assert services.change('nvm.dump_path', 'regular').successful
         assert services.ask('dump')[0] and (root / 'regular').read_bytes() == IMAGE
         assert 'Traceback' not in node.text
@@ -227,7 +227,7 @@ def test_a_device_that_agrees_and_goes_on_streaming(cable, tmp_path):
                     cable.write(codec.encode(Acknowledgement(EnterDiagnostics.TYPE, 0), 3))
         assert 'did not stay in it' in json.loads(answer.result().message)['error']
         assert asked < 100
-        ear.wait('imu/data', len(ear.heard['imu/data']) + 20)
+        ear.wait('imu/data', len(ear.messages['imu/data']) + 20)
         assert node.end() == 0
 
 
@@ -240,10 +240,10 @@ def test_cancel_and_unplug(emulator, tmp_path):
         services = Services(ear)
         ear.wait('imu/data', 10)
         for interrupt, error in ((lambda: services.ask('cancel'), 'cancelled'),
-                                 (lambda: device.tell('unplug 1'), 'find it')):
+                                 (lambda: device.send_line('unplug 1'), 'find it')):
             assert interrupted(services, ear, interrupt).endswith(error)
             assert not file.exists()
-            ear.wait('imu/data', len(ear.heard['imu/data']) + 20)
+            ear.wait('imu/data', len(ear.messages['imu/data']) + 20)
         assert device.alive
         assert 'Traceback' not in node.text
 
@@ -281,7 +281,7 @@ def test_ending_the_node_makes_the_device_leave(emulator, tmp_path, number):
             assert wait_for(lambda: reading(ear))
             assert node.end(number) == 0, node.text
             assert 'Traceback' not in node.text
-        before = len(ear.heard['imu/data'])
+        before = len(ear.messages['imu/data'])
         with driver(str(tmp_path / 'port')):
             ear.wait('imu/data', before + 5)
 
@@ -297,12 +297,12 @@ def test_a_device_that_lets_in_after_power_on_only(emulator, tmp_path):
 
         def switched_off_and_on():
             page = services.start('nvm/read_page')
-            device.tell('power-cycle')
+            device.send_line('power-cycle')
             assert wait_for(page.done)
             return page.result().success
 
         assert wait_for(switched_off_and_on)
-        ear.wait('imu/data', len(ear.heard['imu/data']) + 20)
+        ear.wait('imu/data', len(ear.messages['imu/data']) + 20)
 
 
 def test_command_line(emulator, tmp_path):

@@ -91,7 +91,7 @@ def test_requests_that_cannot_be_met_are_answered_and_disturb_nothing(cable):
         assert 'cannot have a value of type 200' in results[1].reason
         assert results[2].reason == ('parameter frame_id is read when the driver starts: restart '
                                      'it with -p frame_id:=VALUE')
-        ear.wait('imu/data', len(ear.heard['imu/data']) + 50)
+        ear.wait('imu/data', len(ear.messages['imu/data']) + 50)
         assert 'Traceback' not in node.text and node.end() == 0
 
 

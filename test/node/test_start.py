@@ -24,10 +24,10 @@ def test_the_first_sample_reaches_every_subscriber(cable):
         with Device(cable) as device:
             for topic, count in (('imu/data_raw', 50), ('heading', 1), (RAW, 1)):
                 ear.wait(topic, count)
-        first = ear.heard['imu/data_raw'][0]
+        first = ear.messages['imu/data_raw'][0]
         # The force along x is the number of the message.
         assert first.linear_acceleration.x == pytest.approx(0.0, abs=FORCE / 2)
-        assert len(ear.heard['imu/data_raw']) <= len(device.inertial)
+        assert len(ear.messages['imu/data_raw']) <= len(device.inertial)
         assert WAITING in node.text
 
 

@@ -68,14 +68,14 @@ def test_all_topics_in_another_process(cable, payload, checksum):
             driver(cable.path, sensor='titan_m') as node:
         for topic in TOPICS:
             ear.wait(topic, 3, 60)
-        assert ear.heard['fix'][-1].longitude == pytest.approx(9.0)
-        assert ear.heard['velocity'][-1].twist.twist.linear.y == 0.5
+        assert ear.messages['fix'][-1].longitude == pytest.approx(9.0)
+        assert ear.messages['velocity'][-1].twist.twist.linear.y == 0.5
         # Not where a slow machine let more than 25 ms go by between the two answers.
         assert wait_for(lambda: any(imu.linear_acceleration.x == 0.5
-                                    for imu in ear.heard['imu/data']), 60)
-        assert ear.heard['imu/mag'][-1].magnetic_field.z == pytest.approx(-4e-5, abs=4e-9)
-        assert ear.heard['differential_pressure'][-1].fluid_pressure == 12.5
-        stamps = [message.header.stamp for message in ear.heard['velocity']]
+                                    for imu in ear.messages['imu/data']), 60)
+        assert ear.messages['imu/mag'][-1].magnetic_field.z == pytest.approx(-4e-5, abs=4e-9)
+        assert ear.messages['differential_pressure'][-1].fluid_pressure == 12.5
+        stamps = [message.header.stamp for message in ear.messages['velocity']]
         times = [stamp.sec * 10 ** 9 + stamp.nanosec for stamp in stamps]
         assert times == sorted(set(times))
         assert wait_for(lambda: status(ear, 'Device'), 30)
@@ -112,7 +112,7 @@ def test_nothing_is_published_before_the_byte_order_is_known(cable):
         with driver(cable.path, **rates):
             assert says(ear, 'Device', WARN, 'The byte order of payloads is not known yet')
             assert wait_for(lambda: len(asked) > 50, 60)
-            assert not ear.heard['velocity']
+            assert not ear.messages['velocity']
         with driver(cable.path, payload_order='big', **rates):
             ear.wait('velocity', 5, 60)
             # In either checksum order: where an answer is late, the other one is tried.
@@ -125,7 +125,7 @@ def test_unplugged_and_plugged_again(tmp_path):
     with listening(EVERYTHING) as ear, driver(link, sensor='titan_m') as node:
         for _ in range(3):
             with PtyPort(link) as port, titan(port, answers()):
-                before = len(ear.heard['odometry'])
+                before = len(ear.messages['odometry'])
                 ear.wait('odometry', before + 10, 60)
         assert wait_for(lambda: sum('is gone' in line for line in node.lines) == 3, 30)
         assert node.end() == 0 and 'Traceback' not in node.text
@@ -141,7 +141,7 @@ def test_without_rates_it_listens(cable):
 
         def heard():
             cable.write(b''.join(answers().values()))
-            return all(ear.heard[topic] for topic in TOPICS)
+            return all(ear.messages[topic] for topic in TOPICS)
         assert wait_for(heard, 60)
         assert asked == [] and says(ear, 'Time', OK, 'Stamps are arrival times')
 

@@ -104,7 +104,7 @@ def known(ear):
 
 def status(ear, task):
     """Return the latest status of a task, or None."""
-    return next((item for array in reversed(ear.heard['/diagnostics']) for item in array.status
+    return next((item for array in reversed(ear.messages['/diagnostics']) for item in array.status
                  if item.name == f'bahrs_driver: {task}'), None)
 
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Our commands as real processes, and an ear for what they publish."""
+"""Run the commands as processes, and listen to their topics."""
 
 from collections import defaultdict
 from collections.abc import Iterator
@@ -57,8 +57,8 @@ class Process:
         """Return the number of the process."""
         return self._child.pid
 
-    def tell(self, line: str) -> None:
-        """Give it a line on its standard input."""
+    def send_line(self, line: str) -> None:
+        """Write a line to its standard input."""
         self._child.stdin.write(f'{line}\n')
         self._child.stdin.flush()
 
@@ -105,12 +105,12 @@ def driver(port: str, **parameters: Any) -> contextlib.AbstractContextManager[Pr
     return running('driver_node', '--ros-args', *words)
 
 
-class Ear:
-    """Listens to topics, in a thread of its own, and keeps every message."""
+class Listener:
+    """Subscribes to topics, in its own thread, and keeps all messages by topic."""
 
     def __init__(self, topics: dict[str, type]) -> None:
         """Subscribe."""
-        self.heard: dict[str, list[Any]] = defaultdict(list)
+        self.messages: dict[str, list[Any]] = defaultdict(list)
         self._context = Context()
         rclpy.init(context=self._context)
         self.node = rclpy.create_node('ear', context=self._context)
@@ -118,7 +118,7 @@ class Ear:
             profile = QoSProfile(depth=2000)
             if topic in LATCHED:
                 profile.durability = DurabilityPolicy.TRANSIENT_LOCAL
-            self.node.create_subscription(kind, topic, self.heard[topic].append, profile)
+            self.node.create_subscription(kind, topic, self.messages[topic].append, profile)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._ended = threading.Event()
@@ -131,10 +131,10 @@ class Ear:
                 self._executor.spin_once(0.1)
 
     def wait(self, topic: str, count: int = 1, timeout: float = PATIENCE) -> list[Any]:
-        """Wait until a topic has brought so many messages, and return all of them."""
-        assert wait_for(lambda: len(self.heard[topic]) >= count, timeout), (
-            f'{len(self.heard[topic])} of {count} messages on {topic} in {timeout} s')
-        return self.heard[topic]
+        """Wait for count messages on a topic; return all of them."""
+        assert wait_for(lambda: len(self.messages[topic]) >= count, timeout), (
+            f'{len(self.messages[topic])} of {count} messages on {topic} in {timeout} s')
+        return self.messages[topic]
 
     def close(self) -> None:
         """Stop listening."""
@@ -146,9 +146,9 @@ class Ear:
 
 
 @contextlib.contextmanager
-def listening(topics: dict[str, type]) -> Iterator[Ear]:
+def listening(topics: dict[str, type]) -> Iterator[Listener]:
     """Listen to topics for the length of a block."""
-    ear = Ear(topics)
+    ear = Listener(topics)
     try:
         yield ear
     finally:
