@@ -56,20 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     dump.add_argument('file', help='file to write, complete or not at all; - is standard output')
     add_force(dump)
     for action in (read, dump):
-        action.add_argument('--port', default='/dev/ttyUSB0',
-                            help='path or URL, such as socket://host:4001 (default: %(default)s)')
-        action.add_argument('--baud-rate', type=int, default=115200, metavar='BAUD',
-                            help='(default: %(default)s)')
-        action.add_argument('--enter-timeout', type=bounded_float('a time-out', 0, LONGEST_ENTER),
-                            default=30.0, metavar='SECONDS',
-                            help='how long to ask the device to enter diagnostics mode '
-                                 '(default: %(default)s)')
-        action.add_argument('--service-frames', default='auto', choices=tuple(dict.fromkeys(
-            ('auto', *(name for memory in _MEMORIES.values()
-                       for name in memory.request_variants)))),
-                            help='checksum and padding of requests (default: %(default)s)')
-        action.add_argument('--yes', action='store_true',
-                            help='do not ask before a stream is stopped')
+        _add_port_options(action)
     show = actions.add_parser('show', help='show the content of an image')
     show.add_argument('file', help='image of the memory; - is standard input')
     for action in (read, dump, show):
@@ -80,6 +67,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                             help='print one JSON object, for a script')
     for action, example in ((read, _EXAMPLES[0]), (dump, _EXAMPLES[1]), (show, _EXAMPLES[2])):
         action.epilog = f'example: {example}'
+
+
+def _add_port_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument('--port', default='/dev/ttyUSB0',
+                        help='path or URL, such as socket://host:4001 (default: %(default)s)')
+    parser.add_argument('--baud-rate', type=int, default=115200, metavar='BAUD',
+                        help='(default: %(default)s)')
+    parser.add_argument('--enter-timeout', type=bounded_float('a time-out', 0, LONGEST_ENTER),
+                        default=30.0, metavar='SECONDS',
+                        help='how long to ask the device to enter diagnostics mode '
+                             '(default: %(default)s)')
+    variants = [name for memory in _MEMORIES.values() for name in memory.request_variants]
+    parser.add_argument('--service-frames', default='auto',
+                        choices=tuple(dict.fromkeys(('auto', *variants))),
+                        help='checksum and padding of requests (default: %(default)s)')
+    parser.add_argument('--yes', action='store_true',
+                        help='do not ask before a stream is stopped')
 
 
 def run(options: argparse.Namespace) -> int:

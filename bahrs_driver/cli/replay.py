@@ -64,8 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                              f'(default: {REOPEN_TIMEOUT:g}, with --loop no limit)')
     parser.add_argument('--topic', metavar='NAME',
                         help='topic of the bytes, for a bag with several')
-    parser.add_argument('--json', action='store_true',
-                        help='print the result as one JSON object')
+    parser.add_argument('--json', action='store_true', help='print the result as one JSON object')
     parser.add_argument('--sensor', choices=tuple(DEVICES),
                         help='which device sent it, for faults and message rates (default: as '
                              f'the bag says, or {DEFAULT})')
