@@ -132,7 +132,11 @@ class NvmSession:
         """Return when to call send(); None if the session has ended."""
         if self.finished:
             return None
-        return self._write_deadline if self._write_error else self._due
+        if self._write_error:
+            return self._write_deadline
+        if self.state is SessionState.LEAVING:
+            return self._due
+        return min(self._due, self._read_deadline)
 
     def send(self, now: int) -> bytes:
         """Return the bytes of the next request; empty if none is due."""

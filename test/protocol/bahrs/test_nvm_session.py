@@ -27,7 +27,7 @@ from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.units import NS_PER_S
 from bahrs_driver.virtual_serial.faults import Faults
-from hypothesis import given, strategies
+from hypothesis import example, given, strategies
 import pytest
 
 IMAGE = bytes((7 * index + index // 251) % 256 for index in range(8000))
@@ -138,12 +138,17 @@ ANSWERS = strategies.sampled_from([
 @given(strategies.lists(strategies.tuples(
     ANSWERS, strategies.integers(1, 100), strategies.floats(0.0, 2.0)), min_size=1),
     strategies.sampled_from([[0], [1, 2], range(250)]), strategies.floats(0.0, 60.0))
+@example([*[(STREAM, 1, 0.0)] * 3, (Acknowledgement(EnterDiagnostics.TYPE, 0), 1, 0.0),
+          (STREAM, 1, 0.0), (STREAM, 2, 0.0), (STREAM, 11, 2.0)], [0], 4.0)
 def test_every_session_ends_in_time(answers, pages, enter_timeout):
     """Whatever the device sends, as often as it likes, and whenever."""
     session, now = NvmSession(pages, 0, ns(enter_timeout)), 0
+    limit = ns(enter_timeout) + READ_TIME + PAGE_TIME * len(pages) \
+        + LEAVE_ATTEMPTS * ANSWER_TIMEOUT
     for message, count, pause in cycle(answers):
         until = now + ns(max(pause, 0.01))
         while not session.finished and session.due(now) < until:
+            assert session.due(now) <= limit
             now = max(now, session.due(now))
             session.send(now)
         if session.finished:
@@ -151,8 +156,6 @@ def test_every_session_ends_in_time(answers, pages, enter_timeout):
         now = until
         for _ in range(count):
             session.receive(message, 'crc32', now)
-    limit = ns(enter_timeout) + READ_TIME + PAGE_TIME * len(pages) \
-        + LEAVE_ATTEMPTS * ANSWER_TIMEOUT
     assert now <= limit + ns(0.01)
     assert session.error or len(session.pages) == len(pages)
     assert session.due(now) is None and session.send(10 * limit) == b''
