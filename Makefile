@@ -44,7 +44,7 @@ test: $(READY)
 	$(BIN)/python -m pytest $(PARALLEL)
 
 check: $(READY)
-	$(BIN)/python -m pytest $(PARALLEL) -m 'unit and not slow'
+	$(BIN)/python -m pytest $(PARALLEL) -n 2 -m 'unit and not slow'
 
 $(NOBLE)/.ready: requirements.txt test/constraints-ubuntu-24.04.txt setup.py setup.cfg
 	$(PYTHON) -m venv $(NOBLE)

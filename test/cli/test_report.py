@@ -24,6 +24,7 @@ def flight(tmp_path_factory):
     return path
 
 
+@pytest.mark.slow
 def test_a_page_beside_the_recording(flight):
     """Its name is printed, and nothing else."""
     status, text, complaints = report(flight)

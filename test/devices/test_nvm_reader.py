@@ -265,6 +265,7 @@ def test_an_exception_does_not_leave_the_device_in_its_mode(made):
     assert not device.active and device.reader.status == 'none'
 
 
+@pytest.mark.slow
 def test_a_thousand_sessions_leak_nothing(made):
     """Neither threads nor memory."""
     device = made()

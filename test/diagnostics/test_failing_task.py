@@ -6,6 +6,7 @@ from bahrs_driver.diagnostics.task import ERROR, OK, Template
 from bahrs_driver.diagnostics.updater import Updater
 from bahrs_driver.process.fault_log import FaultLog
 from hypothesis import given, strategies as st
+import pytest
 
 
 class Task:
@@ -31,6 +32,7 @@ class Task:
 ERRORS = st.none() | st.sampled_from([ZeroDivisionError('x'), KeyError('y'), OverflowError()])
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(ERRORS, ERRORS), max_size=5))
 def test_every_task_is_reported(errors):
     """Whichever of them fail, in either part."""

@@ -13,6 +13,7 @@ from support.recorded import recorded
 LEVEL, STILL = Change(0.0), Change(1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(('climb', 'rest'), [(12.0, 0.0), (-12.0, 0.0), (0.0, 4.4)])
 def test_a_steady_climb_is_no_rest(climb, rest):
     """Nor is a descent, though force and rate are as steady as on the ground."""

@@ -63,6 +63,7 @@ def at_rest():
         errors=MeasurementErrors(1, DEVIATIONS), version=3)), seconds=75.0))))
 
 
+@pytest.mark.slow
 def test_every_part_is_there(at_rest):
     """With a picture for each."""
     parts = ['Findings', 'Integrity', 'Data rate', 'Specific force and angular rate',
@@ -89,6 +90,7 @@ def test_a_flight_has_no_noise_at_rest():
     assert 'so offset, drift and delays are unknown' in made.text
 
 
+@pytest.mark.slow
 def test_noise_of_the_real_recording():
     """Four minutes: no random walk is read off, and no line at half the sample rate."""
     text = ''.join(page(gathered(read_capture(shared_file('data/bahrs_recording_v2.bin')))))

@@ -113,6 +113,7 @@ def recording():
     return data, truth
 
 
+@pytest.mark.slow
 @settings(max_examples=80)
 @given(begin=st.integers(0, 60_000), length=st.integers(0, 12_000), size=st.integers(1, 20_000),
        start=st.sampled_from([None, 0, 1_700_000_000 * S]))
@@ -134,6 +135,7 @@ def test_the_recording_cut_at_any_byte(recording, begin, length, size, start):
                 assert item.stamp_ns == truth[item.frame.offset + begin][1]
 
 
+@pytest.mark.slow
 def test_the_whole_recording(recording):
     """Every sample has its time."""
     data, truth = recording
@@ -158,6 +160,7 @@ def emulated(seconds, restarts=(), loss=0.0, damage=0.0, seed=1, forget=(), **be
     return data, truth
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(version=st.integers(1, 3), time_label=st.sampled_from(['next', 'same']),
        loss=st.sampled_from([0.0, 0.01, 0.1]), damage=st.sampled_from([0.0, 0.0005]),

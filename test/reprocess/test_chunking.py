@@ -183,6 +183,7 @@ def test_it_is_what_the_device_sent(whole):
         pair for pair in alone if pair[0] != 'time_reference']
 
 
+@pytest.mark.slow
 def test_what_is_converted(tmp_path):
     """Of each topic, by whatever reads the flight was recorded."""
     expected = converted(tmp_path, [7])

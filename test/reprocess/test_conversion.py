@@ -147,6 +147,7 @@ def test_a_port_that_was_lost(tmp_path):
     assert outcome.skipped_bytes > 0
 
 
+@pytest.mark.slow
 def test_bytes_without_times(tmp_path):
     """Stamps are device time, or count from a start; a restart goes on."""
     device = make_device()

@@ -9,6 +9,7 @@ from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.reprocess.message_times import MOST_HELD, with_times
 from hypothesis import given, strategies as st
+import pytest
 
 SAFE = (Integrity.SAFE,) * 6
 START = 2_000_000           # us
@@ -47,6 +48,7 @@ def test_every_message_of_a_good_stream(ahead, ppm, first, begin, end):
     assert all(abs(time - true) <= 10 for time, true in made)
 
 
+@pytest.mark.slow
 @given(lost=st.sets(st.integers(0, 1200), max_size=600), gap=st.integers(0, 420),
        place=st.integers(0, 1200), again=st.integers(0, 10 ** 6))
 def test_losses_and_restarts_give_no_wrong_time(lost, gap, place, again):

@@ -35,6 +35,7 @@ def written(folder, number, key, name, value):
 KEYS = st.sampled_from(['/**', '/*', 'bahrs_driver', '/bahrs_driver', '/**/bahrs_driver'])
 
 
+@pytest.mark.slow
 @given(files=st.lists(st.tuples(KEYS, st.sampled_from([1, 2.5, True, 'text', [1, 2]])),
                       max_size=3),
        rules=st.lists(st.sampled_from([1, 2, 2.5]), min_size=1, max_size=3))

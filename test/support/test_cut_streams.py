@@ -50,6 +50,7 @@ def test_the_recording(adapter, begin, length, way):
     assert worst_period(check_promises(way(stream, SampleClock(ROLES)), stream.truth)) < SETTLING
 
 
+@pytest.mark.slow
 @settings(max_examples=80)
 @given(adapter=st.sampled_from(ADAPTERS), version=st.integers(1, 3),
        loss=st.sampled_from([0.0, 0.01, 0.05]), damage=st.sampled_from([0.0, 0.0003]),

@@ -316,6 +316,7 @@ FAULTS = (ValueError('bad'), KeyError(3), OSError(5, 'I/O'), RuntimeError(), Typ
           AssertionError(), ZeroDivisionError(), StopIteration(), OverflowError('\x1b[2J'))
 
 
+@pytest.mark.slow
 @given(st.sampled_from([(part, method) for part, methods in METHODS.items()
                         for method in methods]),
        st.integers(0, 2), st.sampled_from(FAULTS))

@@ -60,6 +60,7 @@ def test_order_and_mix(version):
     assert types(messages_of(60, version)) == TENTH * 3
 
 
+@pytest.mark.slow
 def test_order_and_mix_are_those_of_the_recording():
     """After the version message, the types are those of the real device."""
     real = types_in(shared_file('data/bahrs_recording_v2.bin').read_bytes())
