@@ -19,7 +19,7 @@ os.environ['COLUMNS'] = '80'
 for name in ('FORCE_COLOR', 'NO_COLOR', 'TTY_COMPATIBLE', 'TTY_INTERACTIVE'):
     os.environ.pop(name, None)
 
-# ROS keeps its logs at home unless told otherwise, and not everybody has one.
+# By default, ROS writes its logs into the home directory, which may be missing.
 logs = Path(tempfile.gettempdir()) / f'bahrs_driver_logs_{os.getuid()}'
 logs.mkdir(exist_ok=True)
 os.environ.setdefault('ROS_LOG_DIR', str(logs))

@@ -47,7 +47,7 @@ class LinkTask:
         """Report whether the port is open and bytes arrive."""
         status.values_from(self._values)
         counters, port = self._counters, self._link.name
-        open_since = counters.open_since        # once: the receiver's thread may close it now
+        open_since = counters.open_since        # once: the reading thread may close it now
         if open_since is None:
             return status.summary(FAILED, reason=counters.error) if counters.error else \
                 status.summary(NOT_OPEN, port=port)

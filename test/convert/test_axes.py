@@ -79,7 +79,7 @@ def test_vectors():
     assert enu_diagonal((1.0, None, 3.0)) == (None, 1.0, 3.0)
 
 
-def test_ned_leaves_all_identity():
+def test_ned_leaves_all_unchanged():
     """The device's own axes."""
     ned, vector, turn = CONVENTIONS['ned'], (1.0, 2.0, 3.0), Quaternion(0.5, 0.5, -0.5, 0.5)
     assert (ned.body(vector), ned.world(vector), ned.diagonal(vector)) == (vector,) * 3

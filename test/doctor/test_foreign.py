@@ -93,7 +93,7 @@ def test_any_diagnostics(statuses, damage):
 
 
 @given(port=st.one_of(NAMES, TEXTS).filter(bool), rate=st.integers(1, 10 ** 7))
-def test_commands_name_the_port_identity(port, rate):
+def test_commands_name_the_port_unchanged(port, rate):
     """One argument each, for a shell."""
     assert f'port:={port}' in shlex.split(run_driver(port, 'titan_m', rate))
     assert port in shlex.split(run_doctor(port, rate))

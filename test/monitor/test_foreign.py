@@ -153,7 +153,7 @@ def test_an_enormous_list(watch):
 
 @pytest.mark.parametrize('text, as_shown', [
     ('\x1bc 2.7', r'\x1bc 2.7'), ('[bold]x[/]', '[bold]x[/]'), ('[/nothing]', '[/nothing]')])
-def test_text_is_shown_identity(watch, text, as_shown):
+def test_text_is_shown_unchanged(watch, text, as_shown):
     """Neither as a command to the terminal, nor as markup."""
     watch._update_health(serialize_message(DiagnosticArray(status=[
         DiagnosticStatus(name=f'bahrs_driver: {text}', message=text)])))

@@ -25,7 +25,7 @@ def make_device(motion: Motion | None = None, seed: int = 1,
                 errors: MeasurementErrors | None = None,
                 drift_ppm: float = 0.0, wander_ppm: float = 0.0, pulse_rate: float = 0.0,
                 **behavior: Any) -> BahrsDevice:
-    """Return a device that is at rest and measures without error, unless told otherwise."""
+    """Return a device that is at rest and measures without error by default."""
     return BahrsDevice(BahrsBehavior(**behavior), motion or Still(),
                        errors or MeasurementErrors(seed),
                        DeviceClock(seed, drift_ppm, wander_ppm), Pulses(pulse_rate))

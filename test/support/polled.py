@@ -37,7 +37,7 @@ HOST_LATENCY = 0.0003       # s, from when something can be done until the host 
 def make_titan(motion: Motion | None = None, start: tuple[float, float] = (47.0, 11.0),
                errors: MeasurementErrors | None = None, seed: int = 1,
                **behavior: Any) -> TitanDevice:
-    """Return a device that is at rest and measures without error, unless told otherwise."""
+    """Return a device that is at rest and measures without error by default."""
     measures = TitanMeasures(GroundPath(motion or Still(), *start),
                              errors or MeasurementErrors(seed))
     return TitanDevice(TitanBehavior(**behavior), measures, BITS_PER_BYTE / BAUD_RATE, seed)
