@@ -15,7 +15,7 @@ import sys
 from typing import BinaryIO
 
 from bahrs_driver.bag.bag_kind import is_bag
-from bahrs_driver.cli.files import binary_input
+from bahrs_driver.cli.inputs import binary_input
 from bahrs_driver.devices.registry import DEFAULT, DEVICES, examples
 from bahrs_driver.devices.stream_decoder import AnyDecoder
 from bahrs_driver.errors import CommandError

@@ -118,7 +118,7 @@ def _has_rclpy() -> bool:
 
 
 def _graph(options: argparse.Namespace, port: str, command: str) -> Iterator[CheckResult]:
-    from bahrs_driver.cli.ros import ros_session  # needs ROS, the doctor must run without
+    from bahrs_driver.cli.ros_session import ros_session  # needs ROS, the doctor must run without
     from bahrs_driver.doctor import graph
     from bahrs_driver.ros.start_errors import start_errors
     import rclpy

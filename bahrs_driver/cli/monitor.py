@@ -10,7 +10,7 @@ import os
 import time
 
 from bahrs_driver.cli.node_options import add_node_options, selected_node, several_nodes
-from bahrs_driver.cli.ros import ros_session
+from bahrs_driver.cli.ros_session import ros_session
 from bahrs_driver.errors import CommandError
 from bahrs_driver.monitor.page import Page
 from bahrs_driver.monitor.tables import no_driver_hint, tables, to_json

@@ -14,7 +14,7 @@ import time
 from bahrs_driver.bag.bag_output import BagWriter
 from bahrs_driver.bag.recorder import RAW, Recorder
 from bahrs_driver.cli.node_options import add_node_options, selected_node, several_nodes
-from bahrs_driver.cli.ros import ros_session
+from bahrs_driver.cli.ros_session import ros_session
 from bahrs_driver.cli.signals import shutdown_on_signal
 from bahrs_driver.errors import CommandError, TargetExists, WriteError
 from bahrs_driver.process.argument_types import positive_float

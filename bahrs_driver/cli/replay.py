@@ -11,7 +11,7 @@ import time
 from bahrs_driver.bag.capture import Capture, PIECE
 from bahrs_driver.bag.log_clock import LogClock
 from bahrs_driver.bag.read_capture import read_capture
-from bahrs_driver.cli.files import binary_input, STANDARD_INPUT
+from bahrs_driver.cli.inputs import binary_input, STANDARD_INPUT
 from bahrs_driver.cli.sensors import sensor_of
 from bahrs_driver.devices.registry import DEFAULT, DEVICES
 from bahrs_driver.errors import CommandError, WriteError

@@ -9,10 +9,10 @@ cancel it. Every session ends, because each of its states and end() have time li
 """
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
+from bahrs_driver.devices.nvm_settings import NvmSettings
 from bahrs_driver.errors import NvmError
-from bahrs_driver.protocol.bahrs.nvm_session import NvmSession, PAGES, ServiceFrames, SessionState
+from bahrs_driver.protocol.bahrs.nvm_session import NvmSession, PAGES, SessionState
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.message import Message
 from bahrs_driver.transport.request_loop import now_ns, RequestLoop
@@ -22,13 +22,6 @@ LEAVE_TIME = 0.3        # s; longest wait for the device to leave its mode when 
 
 OnPage = Callable[[int, bytes], None]
 OnProgress = Callable[[NvmSession], None]
-
-
-class SessionOptions(NamedTuple):
-    """Options of a session, as in the parameters nvm.*."""
-
-    enter_timeout: float = 30.0         # s
-    service_frames: ServiceFrames = 'auto'
 
 
 def _ignore(*_: object) -> None:
@@ -56,7 +49,7 @@ class NvmReader:
         return str(session.state.value)
 
     def read(self, pages: Sequence[int] = range(PAGES),
-             options: SessionOptions = SessionOptions(), on_page: OnPage = _ignore,
+             settings: NvmSettings = NvmSettings(), on_page: OnPage = _ignore,
              on_progress: OnProgress = _ignore) -> dict[int, bytes]:
         """
         Read pages and return them by number; NvmError unless all of them were read.
@@ -64,7 +57,7 @@ class NvmReader:
         Both callbacks run in the calling thread: on_page with number and data of each page,
         on_progress with the session after each change.
         """
-        session = self._begin(pages, options)
+        session = self._begin(pages, settings)
         try:
             self._follow(session, on_page, on_progress)
         except BaseException:
@@ -119,15 +112,15 @@ class NvmReader:
                 self._session.abandon(reason)
                 self.loop.lock.notify_all()
 
-    def _begin(self, pages: Sequence[int], options: SessionOptions) -> NvmSession:
+    def _begin(self, pages: Sequence[int], settings: NvmSettings) -> NvmSession:
         with self.loop.lock:
             if self._ended:
                 raise NvmError(self._ended)
             if self._session is not None:
                 raise NvmError('another NVM request is under way: wait for it, or cancel it')
             session = NvmSession(
-                pages, now_ns(), round(options.enter_timeout * NS_PER_S), self._version(),
-                options.service_frames)
+                pages, now_ns(), round(settings.enter_timeout * NS_PER_S), self._version(),
+                settings.service_frames)
             self._session = self.loop.scheduler = session
             self.loop.lock.notify_all()
             return session

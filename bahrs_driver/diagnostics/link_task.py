@@ -4,9 +4,10 @@
 
 from collections.abc import Callable, Mapping
 
-from bahrs_driver.diagnostics.sharing_watch import SharingWatch
+from bahrs_driver.diagnostics.sharing_watch import bad_frames, SharingWatch
 from bahrs_driver.diagnostics.task import ERROR, OK, seconds_ago, Status, Template
 from bahrs_driver.diagnostics.window import Window
+from bahrs_driver.pipeline import PipelineCounters
 from bahrs_driver.transport.explain import CAUSES
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.port_reader import LinkCounters
@@ -25,23 +26,25 @@ class LinkTask:
     """
     Watches the port.
 
-    The link is silent after silence_timeout seconds without a byte; silence_hint is what to check
-    then. count_trouble returns how many frames were damaged or lost so far, which another program
-    that reads the port may have caused.
+    The port is silent after silence_timeout seconds without a byte; silence_hint is what to check
+    then. Damaged frames, in the stream's counters, and lost messages, which count_lost returns,
+    may be a sign of another program that reads the port.
     """
 
     name = 'Link'
     messages = (SHARED, SILENT, *(Template(ERROR, text, cause) for cause, text in CAUSES.items()),
                 FAILED, NOT_OPEN, OPEN)
 
-    def __init__(self, link: Link, counters: LinkCounters, silence_timeout: float,
-                 silence_hint: str, count_trouble: Callable[[], int]) -> None:
+    def __init__(self, link: Link, counters: LinkCounters, stream: PipelineCounters,
+                 silence_timeout: float, silence_hint: str,
+                 count_lost: Callable[[], int]) -> None:
         self._link = link
         self._counters = counters
+        self._stream = stream
         self._silence_timeout = silence_timeout
         self._silence_hint = silence_hint
-        self._sharing = SharingWatch(link, count_trouble)
-        self._window = Window(lambda: (counters.bytes_received,))
+        self._sharing = SharingWatch(link, lambda: bad_frames(stream.framing, count_lost()))
+        self._window = Window(lambda: (stream.bytes_received,))
 
     def run(self, status: Status) -> Status:
         """Report whether the port is open and bytes arrive."""
@@ -87,7 +90,7 @@ class LinkTask:
             'Baud rate': str(baud_rate),
             'Open for [s]': 'not open' if open_since is None else seconds_ago(open_since, now),
             'Times opened': str(counters.times_opened),
-            'Bytes received': str(counters.bytes_received),
+            'Bytes received': str(self._stream.bytes_received),
             'Bytes per second': f'{rate:.0f}',
             'Use of the line': f'{rate * BITS_PER_BYTE / baud_rate:.0%}',
             'Last data [s ago]': seconds_ago(counters.last_data, now),

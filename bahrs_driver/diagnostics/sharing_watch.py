@@ -17,7 +17,7 @@ from bahrs_driver.transport.explain import describe_process, list_command, MOST_
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.processes import holders, Process
 
-MANY = 5                # damaged or lost frames between two checks that are a reason to search
+MIN_BAD_FRAMES = 5      # damaged or lost since the previous check that start a search
 SEARCH_PERIOD = 3.0     # s; a search may take a tenth of a second. Doubled while in vain
 LONGEST_PERIOD = 60.0   # s
 LIFETIME = 10.0         # s for which a result is valid
@@ -25,7 +25,7 @@ ENOUGH_STOLEN = 3       # reads that found nothing, which prove it
 TYPICAL_SIZE = 8        # bytes of a short frame, by which stray bytes count as frames
 
 
-def count_trouble(counters: FramingCounters, lost: int) -> int:
+def bad_frames(counters: FramingCounters, lost: int) -> int:
     """Return about how many frames were damaged or lost; a second reader causes both."""
     return counters.crc_failures + counters.skipped_bytes // TYPICAL_SIZE + lost
 
@@ -34,13 +34,13 @@ class SharingWatch:
     """
     Searches for other readers of a link's port when there is a reason to.
 
-    count_trouble returns how many frames were damaged or lost so far.
+    count_bad_frames returns how many frames were damaged or lost so far.
     """
 
-    def __init__(self, link: Link, count_trouble: Callable[[], int],
+    def __init__(self, link: Link, count_bad_frames: Callable[[], int],
                  find: Callable[[str], list[Process]] = holders) -> None:
         self._link = link
-        self._count_trouble = count_trouble
+        self._count_bad_frames = count_bad_frames
         self._find = find
         self._counts = 0, 0
         self._stolen = 0                # reads that found nothing since the latest search
@@ -55,11 +55,11 @@ class SharingWatch:
 
     def check(self, now: float, silent: bool) -> None:
         """Search if there is a reason to, at a time of time.monotonic(); call it once a second."""
-        counts = self._link.stolen, self._count_trouble()
-        stolen, trouble = (max(0, new - old) for new, old in zip(counts, self._counts))
+        counts = self._link.stolen, self._count_bad_frames()
+        stolen, bad = (max(0, new - old) for new, old in zip(counts, self._counts))
         self._counts = counts
         self._stolen += stolen
-        if not (stolen or silent or trouble >= MANY):
+        if not (stolen or silent or bad >= MIN_BAD_FRAMES):
             self._period = max(SEARCH_PERIOD, self._period / 2)
         elif now - self._searched_at >= self._period:
             self._search(now)

@@ -16,7 +16,6 @@ from bahrs_driver.diagnostics.link_task import LinkTask
 from bahrs_driver.diagnostics.names import node_label
 from bahrs_driver.diagnostics.problem_log import ProblemLog
 from bahrs_driver.diagnostics.publishing_task import PublishingTask
-from bahrs_driver.diagnostics.sharing_watch import count_trouble
 from bahrs_driver.diagnostics.task import DiagnosticTask
 from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.diagnostics.updater import Updater
@@ -229,10 +228,9 @@ class DriverNode(ParameterNode):
         return NvmServices(self, nvm, memory.page_count, self.faults) if nvm and memory else None
 
     def _create_link_task(self) -> LinkTask:
-        parts, counters = self._parts, self._pipeline.counters
-        return LinkTask(
-            self._link, self._reader.counters, parts.silence_timeout, parts.silence_hint,
-            lambda: count_trouble(counters.framing, parts.health.lost))
+        parts = self._parts
+        return LinkTask(self._link, self._reader.counters, self._pipeline.counters,
+                        parts.silence_timeout, parts.silence_hint, lambda: parts.health.lost)
 
     def _create_updater(self, settings: CommonSettings) -> Updater:
         spec, parts = self._spec, self._parts

@@ -14,12 +14,12 @@ import hashlib
 import json
 
 from bahrs_driver.convert import nvm_page
-from bahrs_driver.devices.nvm_reader import NvmReader, SessionOptions
+from bahrs_driver.devices.nvm_reader import NvmReader
+from bahrs_driver.devices.nvm_settings import NvmSettings
 from bahrs_driver.errors import NvmError, WriteError
 from bahrs_driver.node.nvm_dump import dump_file
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.settings.node_settings import read_group
-from bahrs_driver.settings.nvm import Nvm
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
@@ -110,13 +110,11 @@ class NvmServices:
         return {'error': 'no NVM request is under way'}
 
     def _read(self, numbers: Sequence[int]) -> bytes:
-        settings = self._settings()
-        options = SessionOptions(settings.enter_timeout, settings.service_frames)
-        pages = self._reader.read(numbers, options, self._publish)
+        pages = self._reader.read(numbers, self._settings(), self._publish)
         return b''.join(pages[number] for number in numbers)
 
     def _publish(self, number: int, page: bytes) -> None:
         self._pages.publish(nvm_page.message(number, page))
 
-    def _settings(self) -> Nvm:
-        return read_group(self._node, Nvm, 'nvm.')
+    def _settings(self) -> NvmSettings:
+        return read_group(self._node, NvmSettings, 'nvm.')

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The readable memory of a device: its size, and the blocks of its image."""
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
@@ -28,7 +28,6 @@ class MemoryFormat:
 
     page_count: int
     page_size: int
-    request_variants: Collection[str]                   # names of the forms of a request
     parse: Callable[[bytes], Iterable[FoundBlock]]      # ValueError for an image that is too short
     complain: Callable[[Sequence[FoundBlock]], str]     # about blocks of an unknown format
 

@@ -39,7 +39,6 @@ class LinkCounters:
     open_since: float | None = None         # time.monotonic(), if the port is usable
     last_data: float | None = None          # time.monotonic()
     times_opened: int = 0
-    bytes_received: int = 0
     error: str = ''                         # why the port is not open now
     last_error: str = ''
 
@@ -120,7 +119,6 @@ class PortReader:
         return 0.0 if self._opened_at is None else time.monotonic() - self._opened_at
 
     def _feed(self, reading: Reading) -> Iterator[PortEvent]:
-        self.counters.bytes_received += len(reading.data)
         self.counters.last_data = time.monotonic()
         framing = self._pipeline.counters.framing
         frames_before = framing.frames

@@ -9,7 +9,8 @@ import threading
 import time
 import tracemalloc
 
-from bahrs_driver.devices.nvm_reader import NvmReader, SessionOptions
+from bahrs_driver.devices.nvm_reader import NvmReader
+from bahrs_driver.devices.nvm_settings import NvmSettings
 from bahrs_driver.emulator.bahrs.diagnostics_mode import DiagnosticsMode, ServiceBehavior
 from bahrs_driver.errors import LinkError, NvmError
 from bahrs_driver.protocol.bahrs import nvm_session
@@ -23,7 +24,7 @@ from support.waiting import wait_for
 IMAGE = bytes(index * 13 % 256 for index in range(8000))
 LONG = 60.0             # s; limit for events that follow at once
 NS = 10 ** 9
-PATIENT = SessionOptions(enter_timeout=LONG)
+PATIENT = NvmSettings(enter_timeout=LONG)
 
 
 class Device:
@@ -93,7 +94,7 @@ def in_background():
 
         def work():
             try:
-                result['pages'] = device.reader.read(options=PATIENT)
+                result['pages'] = device.reader.read(settings=PATIENT)
             except NvmError as error:
                 result['error'] = str(error)
         threads.append(threading.Thread(target=work))

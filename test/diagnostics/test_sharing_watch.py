@@ -5,7 +5,7 @@
 import os
 from types import SimpleNamespace
 
-from bahrs_driver.diagnostics.sharing_watch import LIFETIME, MANY, SharingWatch
+from bahrs_driver.diagnostics.sharing_watch import LIFETIME, MIN_BAD_FRAMES, SharingWatch
 from bahrs_driver.transport.processes import Process
 from hypothesis import given, strategies as st
 
@@ -40,7 +40,7 @@ def test_nothing_is_looked_for_while_all_is_well():
 def test_damage_or_loss_is_a_reason_to_look():
     """The program is named, for a while."""
     port = Port([CAT])
-    port.trouble = MANY
+    port.trouble = MIN_BAD_FRAMES
     port.watch.check(100.0, silent=False)
     assert port.watch.programs(100.0) == 'cat, process 4711'
     assert port.watch.command == '"fuser -v /dev/ttyX"'

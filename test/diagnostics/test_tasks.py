@@ -32,9 +32,14 @@ HINT = 'is the device powered?'
 NAVIGATION = Navigation(0, 500.0, 0.0, 0.0, 0.0, 0.0, (SAFE,) * 5)
 
 
+def link_task(link, counters, hint=HINT):
+    """Return a task for a link without losses."""
+    return LinkTask(link, counters, PipelineCounters(FramingCounters()), 1.0, hint, int)
+
+
 def link_summary(**counters):
     """Return the summary on a link at the time 100 s."""
-    return summary_of(LinkTask(LINK, LinkCounters(**counters), 1.0, HINT, int), 100.0)
+    return summary_of(link_task(LINK, LinkCounters(**counters)), 100.0)
 
 
 def test_a_port_that_is_not_open_says_why():
@@ -59,7 +64,7 @@ def test_a_silent_port_is_an_error_that_says_what_to_look_at(last_data):
 def test_a_silent_server_is_not_the_connection(hint, end):
     """Keep-alive would have reported it; a full stop ends the hint before this sentence."""
     link = SimpleNamespace(name='socket://h:1', path='', is_network=True, stolen=0)
-    task = LinkTask(link, LinkCounters(open_since=1.0), 1.0, hint, int)
+    task = link_task(link, LinkCounters(open_since=1.0), hint)
     assert summary_of(task, 100.0).message.endswith(
         f"{hint.rstrip('?')}{end} The connection to the serial server is up.")
 
@@ -67,7 +72,7 @@ def test_a_silent_server_is_not_the_connection(hint, end):
 def test_another_program_on_the_port_is_named_with_the_remedy():
     """It cannot be seen, but reads find nothing again and again."""
     link = SimpleNamespace(**vars(LINK))
-    task = LinkTask(link, LinkCounters(open_since=1.0, last_data=100.0), 1.0, HINT, int)
+    task = link_task(link, LinkCounters(open_since=1.0, last_data=100.0))
     link.stolen = ENOUGH_STOLEN
     task.check_sharing(100.0)
     assert summary_of(task, 100.0) == (
@@ -82,10 +87,10 @@ def test_a_port_just_opened_is_not_yet_silent():
 
 def test_traffic_is_told_against_the_baud_rate():
     """Ten bits a byte: 5,760 of 11,520 bytes a second are half of the line."""
-    counters = LinkCounters(open_since=0.0)
-    task = LinkTask(LINK, counters, 1.0, HINT, int)
+    counters, stream = LinkCounters(open_since=0.0), PipelineCounters(FramingCounters())
+    task = LinkTask(LINK, counters, stream, 1.0, HINT, int)
     values_of(task, 0.0)
-    counters.bytes_received = 5760
+    stream.bytes_received = 5760
     values = values_of(task, 1.0)
     assert values['Bytes per second'] == '5760' and values['Use of the line'] == '50%'
     assert values['Open for [s]'] == '1.0'

@@ -310,7 +310,7 @@ def test_command_line(emulator, tmp_path):
     emulator()
     port, file = ('--port', str(tmp_path / 'port')), tmp_path / 'dump.bin'
     with running('bahrs', 'nvm', 'read', '2', *port) as asked:
-        assert asked.wait() == 1 and 'add --yes' in asked.text
+        assert asked.wait() == 1 and 'confirm with --yes' in asked.text
     with running('bahrs', 'nvm', 'read', '2', '--yes', *port) as read:
         assert read.wait() == 0 and read.lines[-1].strip() == IMAGE[64:96].hex()
     with running('bahrs', 'nvm', 'dump', str(file), '--yes', *port) as dump:

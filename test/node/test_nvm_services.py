@@ -25,9 +25,9 @@ class Reader:
         """Have no error yet."""
         self.error, self.asked = None, []
 
-    def read(self, pages, options, on_page):
+    def read(self, pages, settings, on_page):
         """Return pages of zeros, and report each."""
-        self.asked.append((list(pages), tuple(options)))
+        self.asked.append((list(pages), (settings.enter_timeout, settings.service_frames)))
         for page in pages:
             on_page(page, bytes(32))
         if self.error:

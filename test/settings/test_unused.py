@@ -19,14 +19,14 @@ SILENT = dict.fromkeys(('state.rate', 'sensors.rate', 'gps.rate'), 0.0)
 
 
 def read_by(file, prefix=''):
-    """Return the parameters that a module of the node reads as attributes of `settings`."""
-    text = (PACKAGE / 'node' / file).read_text()
+    """Return the parameters that a module reads as attributes of `settings`."""
+    text = (PACKAGE / file).read_text()
     return {prefix + name for name in re.findall(r'settings(?:\(\))?\.([a-z_.]+)', text)}
 
 
 # Read by the node and its services, not by the parts of a device.
-OF_THE_NODE = {'sensor'} | read_by('driver_node.py') | read_by('topics.py') | \
-    read_by('nvm_services.py', 'nvm.')
+OF_THE_NODE = {'sensor'} | read_by('node/driver_node.py') | read_by('node/topics.py') | \
+    read_by('node/nvm_services.py', 'nvm.') | read_by('devices/nvm_reader.py', 'nvm.')
 
 
 @settings(max_examples=40)

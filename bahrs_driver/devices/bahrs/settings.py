@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from bahrs_driver.devices import settings as common
+from bahrs_driver.devices.nvm_settings import NvmSettings
 from bahrs_driver.settings.group import Group, setting
-from bahrs_driver.settings.nvm import Nvm
 
 ROS_CLOCK = 'ros_clock'
 
@@ -101,7 +101,7 @@ class BahrsSettings(common.CommonSettings):
     crc_order: Literal['auto', 'word', 'byte'] = setting(
         'auto', 'Order in which the CRC of a frame takes its bytes: 32-bit words, as devices do, '
         'or single bytes, as the protocol document says.')
-    nvm: Nvm = Nvm()
+    nvm: NvmSettings = NvmSettings()
 
     def unused(self) -> Iterator[tuple[str, str]]:
         """Yield the parameters that have no effect beside the others, each with the reason."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from bahrs_driver.protocol.bahrs import checksum
-from bahrs_driver.protocol.bahrs.nvm_session import PAGE_SIZE, PAGES, VARIANTS
+from bahrs_driver.protocol.bahrs.nvm_session import PAGE_SIZE, PAGES
 from bahrs_driver.protocol.layout import integer, integers, Layout, real, reals, text, Vector, wire
 from bahrs_driver.protocol.memory import FoundBlock, MemoryBlock, MemoryFormat
 
@@ -103,7 +103,7 @@ def complain(blocks: Sequence[FoundBlock]) -> str:
             f'{KNOWN_FORMAT[0]}.{KNOWN_FORMAT[1]}')
 
 
-MEMORY = MemoryFormat(PAGES, PAGE_SIZE, tuple(VARIANTS), parse, complain)
+MEMORY = MemoryFormat(PAGES, PAGE_SIZE, parse, complain)
 
 
 def build(*blocks: MemoryBlock) -> bytes:
