@@ -60,17 +60,11 @@ class NvmReader:
         session = self._begin(pages, settings)
         try:
             self._follow(session, on_page, on_progress)
-        except BaseException:
-            # Even after Ctrl-C, the device must leave diagnostics mode.
-            with self.loop.lock:
-                session.cancel('interrupted', now_ns())
-                self.loop.lock.notify_all()
-                self.loop.lock.wait_for(lambda: session.finished)
+        except BaseException:           # even after Ctrl-C, the device must leave its mode
+            self._interrupt(session)
             raise
         finally:
-            with self.loop.lock:
-                self._session = self.loop.scheduler = None
-                self.loop.lock.notify_all()
+            self._set_session(None)
         if session.error:
             raise NvmError(session.error)
         return session.pages
@@ -121,9 +115,20 @@ class NvmReader:
             session = NvmSession(
                 pages, now_ns(), round(settings.enter_timeout * NS_PER_S), self._version(),
                 settings.service_frames)
+            self._set_session(session)
+            return session
+
+    def _set_session(self, session: NvmSession | None) -> None:
+        with self.loop.lock:
             self._session = self.loop.scheduler = session
             self.loop.lock.notify_all()
-            return session
+
+    def _interrupt(self, session: NvmSession) -> None:
+        """Cancel a session, and wait until the device has left diagnostics mode."""
+        with self.loop.lock:
+            session.cancel('interrupted', now_ns())
+            self.loop.lock.notify_all()
+            self.loop.lock.wait_for(lambda: session.finished)
 
     def _follow(self, session: NvmSession, on_page: OnPage, on_progress: OnProgress) -> None:
         """Call back for each change of a session until it has ended."""

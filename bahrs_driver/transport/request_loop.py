@@ -12,7 +12,7 @@ and no callback runs, while the lock is held.
 """
 
 import threading
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from bahrs_driver.errors import LinkError
 from bahrs_driver.process.host_time import host_instant
@@ -41,6 +41,13 @@ class Writer(Protocol):
         """Send all of data. Raise LinkError if the port accepts no more."""
 
 
+class _Request(NamedTuple):
+    """The bytes of a request, and the scheduler that made it."""
+
+    scheduler: RequestScheduler
+    data: bytes
+
+
 class RequestLoop:
     """Writes the requests of a scheduler. Use the scheduler only while `lock` is held."""
 
@@ -53,12 +60,8 @@ class RequestLoop:
 
     def run(self) -> None:
         """Write requests when they are due, until stop() is called."""
-        while True:
-            with self.lock:
-                scheduler, data = self._wait_for_request()
-            if scheduler is None:
-                return
-            self._write(scheduler, data)
+        while request := self._wait_for_request():
+            self._write(*request)
 
     def stop(self) -> None:
         """Make run() return soon. To be called from another thread."""
@@ -74,27 +77,33 @@ class RequestLoop:
         """
         while True:
             with self.lock:
-                scheduler = self.scheduler
-                data = scheduler.send(now_ns()) if scheduler else b''
-                self.lock.notify_all()
-            if not scheduler or not data:
+                request = self._take_request()
+            if not request:
                 return
-            self._write(scheduler, data, wait=False)
+            self._write(*request, wait=False)
 
-    def _wait_for_request(self) -> tuple[RequestScheduler | None, bytes]:
-        """Return the next request and its scheduler; no scheduler when stopped."""
-        while not self._stopping:
-            scheduler, wait = self.scheduler, None
-            if scheduler:
-                data = scheduler.send(now_ns())
-                if data:
-                    return scheduler, data
-                self.lock.notify_all()      # send() may have ended a session
-                now = now_ns()
-                due = scheduler.due(now)
-                wait = None if due is None else min(LONGEST_WAIT, max(0, due - now) / NS_PER_S)
-            self.lock.wait(wait)
-        return None, b''
+    def _wait_for_request(self) -> _Request | None:
+        """Wait until a request is due, and return it; None after stop()."""
+        with self.lock:
+            while not self._stopping:
+                request = self._take_request()
+                if request:
+                    return request
+                self.lock.wait(self._time_to_next())
+        return None
+
+    def _take_request(self) -> _Request | None:
+        """Return the request that is due, if any. Hold the lock."""
+        scheduler = self.scheduler
+        data = scheduler.send(now_ns()) if scheduler else b''
+        self.lock.notify_all()          # send() may have ended a session
+        return _Request(scheduler, data) if scheduler and data else None
+
+    def _time_to_next(self) -> float | None:
+        """Return the seconds until a request may be due; None if no time is set. Hold the lock."""
+        now = now_ns()
+        due = self.scheduler.due(now) if self.scheduler else None
+        return None if due is None else min(LONGEST_WAIT, max(0, due - now) / NS_PER_S)
 
     def _write(self, scheduler: RequestScheduler, data: bytes, wait: bool = True) -> None:
         error = ''

@@ -31,40 +31,36 @@ NO_REQUESTS_HINT = ('state.rate, gps.rate and sensors.rate are 0, so nothing is 
                     'other program seems to send requests either')
 PAUSES = 2.5            # periods of the most frequent answer before the device counts as silent
 
+Rates = Mapping[type[TitanRequest], float]      # Hz
+
 
 def make_parts(settings: TitanMSettings) -> Parts:
-    """Create the parts for one stream; without a rate above 0, they send no requests."""
+    """Create the parts for one stream; if all rates are 0, they send no requests."""
     frame_format = AnswerFormat(settings.checksum_order)
     rates = _rates(settings)
-    poller = _poller(settings, rates, frame_format)
-    polls = any(rates.values())
+    poller = _poller(settings, rates, frame_format) if any(rates.values()) else None
     payloads = PayloadDecoder[Any](settings.payload_order)
     converter = TitanConverter(_options(settings, rates))
-    expected = {kind.ANSWER.NAME: rate for kind, rate in rates.items() if rate or not polls}
-    silence_timeout = max(settings.diagnostics.silence_timeout,
-                          PAUSES / max(rates.values()) if polls else 0.0)
+    silence_timeout = _silence_timeout(settings, rates)
     health = TitanHealth(
-        expected, settings.diagnostics.rate_tolerance, silence_timeout,
-        poller if polls else None, payloads, lambda: converter.gps_status,
-        lambda: converter.week_problem)
-
-    def live(link: Link) -> LivePart:
-        if not polls:
-            return LivePart()
-        return LivePart(requests=RequestLoop(link, poller),
-                        tasks=[RequestsTask(poller, health.stale)])
-
-    silence_hint = SILENCE_HINT.format(settings.baud_rate) if polls else NO_REQUESTS_HINT
-    decoder = TitanDecoder(payloads, poller if polls else None)
-    return Parts(Framer(frame_format), decoder, _clock(settings), converter, health,
-                 silence_timeout, silence_hint, live=live,
-                 protocol=lambda: _protocol(payloads, frame_format),
-                 take_notices=converter.take_notices,
-                 warnings=tuple(_warnings(settings, rates)))
+        _monitored_rates(rates), settings.diagnostics.rate_tolerance, silence_timeout, poller,
+        payloads, lambda: converter.gps_status, lambda: converter.week_problem)
+    return Parts(
+        Framer(frame_format), TitanDecoder(payloads, poller), _clock(settings), converter, health,
+        silence_timeout,
+        SILENCE_HINT.format(settings.baud_rate) if poller else NO_REQUESTS_HINT,
+        live=lambda link: _live_part(link, poller, health),
+        protocol=lambda: _protocol(payloads, frame_format),
+        take_notices=converter.take_notices, warnings=tuple(_warnings(settings, rates)))
 
 
-def _poller(settings: TitanMSettings, rates: Mapping[type[TitanRequest], float],
-            frame_format: AnswerFormat) -> Poller:
+def _live_part(link: Link, poller: Poller | None, health: TitanHealth) -> LivePart:
+    if poller is None:
+        return LivePart()
+    return LivePart(requests=RequestLoop(link, poller), tasks=[RequestsTask(poller, health.stale)])
+
+
+def _poller(settings: TitanMSettings, rates: Rates, frame_format: AnswerFormat) -> Poller:
     return Poller(rates, frame_format, PollOptions(
         pipelined=settings.request.pipelined,
         timeout=round(settings.request.timeout * NS_PER_S),
@@ -82,10 +78,22 @@ def _protocol(payloads: PayloadDecoder[Any], frame_format: AnswerFormat) -> Mapp
             or 'not seen yet'}
 
 
-def _rates(settings: TitanMSettings) -> dict[type[TitanRequest], float]:
+def _rates(settings: TitanMSettings) -> Rates:
     # Sensors before state: imu/data takes force and rate from them.
     return {SensorsRequest: settings.sensors.rate, StateRequest: settings.state.rate,
             GpsRequest: settings.gps.rate}
+
+
+def _silence_timeout(settings: TitanMSettings, rates: Rates) -> float:
+    """Return the seconds without an answer after which the device counts as silent."""
+    highest = max(rates.values())
+    return max(settings.diagnostics.silence_timeout, PAUSES / highest if highest else 0.0)
+
+
+def _monitored_rates(rates: Rates) -> dict[str, float]:
+    """Return the expected rates by answer; without requests, any answer may arrive."""
+    return {kind.ANSWER.NAME: rate for kind, rate in rates.items()
+            if rate or not any(rates.values())}
 
 
 def _clock(settings: TitanMSettings) -> Clock:
@@ -95,8 +103,7 @@ def _clock(settings: TitanMSettings) -> Clock:
     return ExchangeClock(REQUEST_SIZE, latency)
 
 
-def _warnings(settings: TitanMSettings,
-              rates: Mapping[type[TitanRequest], float]) -> Iterator[str]:
+def _warnings(settings: TitanMSettings, rates: Rates) -> Iterator[str]:
     if settings.time.source == 'sync_pulse':
         yield ("parameter time.source is 'sync_pulse': a titan_m has no sync pulses, stamps are "
                "the middle of request and answer, as with 'device'")
@@ -110,8 +117,7 @@ def _warnings(settings: TitanMSettings,
                f'line carries at {settings.baud_rate} baud: the rates will be lower')
 
 
-def _options(settings: TitanMSettings,
-             rates: Mapping[type[TitanRequest], float]) -> TitanOptions:
+def _options(settings: TitanMSettings, rates: Rates) -> TitanOptions:
     return TitanOptions(
         frame_id=settings.frame_id,
         world_frame_id=settings.world_frame_id,
