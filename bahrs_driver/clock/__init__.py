@@ -7,7 +7,7 @@ A sample becomes a stamp in three steps:
 
     counter, time_reference, navigation, timeline, device_time     sequence number -> device time
     read_observer (bounds, host), estimation                       device time -> host time
-    held, slewer, stamper                                          host time -> stamp
+    held, stamp_queue, slewer, stamper                             host time -> stamp
 
 `sample_clock` combines them for a device that streams samples with device time, `exchange` is the
 clock of a device that answers requests, and `arrival` the one of any device without estimation.

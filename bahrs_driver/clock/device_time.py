@@ -8,8 +8,6 @@ mean that the device was restarted or that counts were lost. It becomes a candid
 not known until another message agrees with the candidate or with the timeline.
 """
 
-from enum import Enum
-
 from bahrs_driver.clock.counter import SampleCounter
 from bahrs_driver.clock.navigation import NavigationCounter
 from bahrs_driver.clock.time_reference import Label, TimeReferenceConvention
@@ -18,14 +16,6 @@ from bahrs_driver.protocol.message_roles import MessageRoles
 from bahrs_driver.units import NS_PER_MS, NS_PER_S
 
 EARLIEST, LATEST = -3 * NS_PER_MS, NS_PER_S         # lateness of a sample on the same clock
-
-
-class Verdict(Enum):
-    """The result of adding a time message."""
-
-    KNOWN = 'device time is known, on the same clock'
-    NEW_EPOCH = 'device time is known, and its clock has jumped'
-    DOUBTED = 'another time message must agree with it'
 
 
 class DeviceTime:
@@ -108,12 +98,13 @@ class DeviceTime:
         """Whether the device time of a sample fits the timeline."""
         return self._timeline is not None and self._timeline.agrees(count, time)
 
-    def add_time(self, count: int, time: int, lateness: int | None) -> Verdict:
+    def add_time(self, count: int, time: int, lateness: int | None) -> bool:
         """
-        Add the device time of a sample.
+        Add the device time of a sample; return whether it shows that the clock has jumped.
 
-        lateness is how much later than estimated the message arrived, if its time is right; None
-        without an estimate.
+        If device time is not known afterwards, another message must confirm this one. lateness
+        is how much later than estimated the message arrived, if its time is right; None without
+        an estimate.
         """
         timeline, candidate = self._timeline, self._candidate
         # Device time decreases only if the clock was set.
@@ -123,40 +114,43 @@ class DeviceTime:
             timeline.accept(count, time)
         elif timeline and self._count_lost and same_clock:
             timeline.move(count, time)
-        elif candidate and candidate.agrees(count, time) and not self._repeats(candidate, time):
+        elif candidate and self._confirms(candidate, count, time):
             candidate.accept(count, time)
-            return self._adopt(candidate, same_clock)
+            self._timeline = candidate
         else:
-            return self._doubt(count, time)
-        return self._trust()
-
-    def stop_doubting(self) -> Verdict:
-        """Trust the timeline if counts belong to it, else the candidate if there is one."""
-        if self.known or self.anchored:
-            return self._trust()
-        if self._candidate:
-            return self._adopt(self._candidate, same_clock=False)
-        return Verdict.DOUBTED
-
-    def _repeats(self, candidate: Timeline, time: int) -> bool:
-        """Whether a message only repeats the time of the candidate, and so confirms nothing."""
-        return self.anchored and time == candidate.latest[1]
-
-    def _adopt(self, candidate: Timeline, same_clock: bool) -> Verdict:
-        self._timeline = candidate
+            self._doubt(count, time)
+            return False
         self._trust()
-        return Verdict.KNOWN if same_clock else Verdict.NEW_EPOCH
+        return self._timeline is not timeline and not same_clock
 
-    def _trust(self) -> Verdict:
+    def stop_doubting(self) -> bool:
+        """
+        Trust the timeline if counts belong to it, else the candidate if there is one.
+
+        Return whether the candidate was trusted, so that the clock has jumped.
+        """
+        if self.known or self.anchored:
+            self._trust()
+            return False
+        if self._candidate:
+            self._timeline = self._candidate
+            self._trust()
+            return True
+        return False
+
+    def _confirms(self, candidate: Timeline, count: int, time: int) -> bool:
+        """Whether a time message agrees with the candidate and is not merely a repetition."""
+        repeated = self.anchored and time == candidate.latest[1]
+        return candidate.agrees(count, time) and not repeated
+
+    def _trust(self) -> None:
         self._candidate = None
         self._count_lost, self.known = False, True
-        return Verdict.KNOWN
 
-    def _doubt(self, count: int, time: int) -> Verdict:
+    def _doubt(self, count: int, time: int) -> None:
         self.rejected += self.anchored
         self._candidate = Timeline(count, time, self._period)
         self.known = False
-        return Verdict.DOUBTED
 
     def _lose_count(self) -> None:
         # The count of an earlier candidate is lost as well.

@@ -8,11 +8,7 @@ time. `device_time` turns counters into device time, an estimate turns device ti
 and `stamper` turns host time into stamps.
 
 At each read, all messages are examined first: the estimate includes every bound before the first
-message is stamped. A sample is stamped if its device time is known and more than the first
-few samples support the estimate. Until then samples are held, 60 at most: as many as arrive until
-the third time message. If it takes longer, or if there are no samples, stamps are arrivals.
-Messages leave in the order of the stream, even those that need no time: messages behind a held
-sample are held with it.
+message is stamped. Then `stamp_queue` stamps them, or holds them until their time is known.
 
 A stream, or its continuation after a silence, seldom begins with a sample. Messages before the
 first sample wait for it, and are then examined as if the sample before it had just arrived: that
@@ -21,18 +17,20 @@ one was sent, but not received.
 
 from collections.abc import Callable, Iterable
 from functools import partial
+from typing import Any
 
 from bahrs_driver.clock.counter import SLACK
-from bahrs_driver.clock.device_time import DeviceTime, Verdict
+from bahrs_driver.clock.device_time import DeviceTime
 from bahrs_driver.clock.estimation.estimate import Estimate
 from bahrs_driver.clock.estimation.smoother_input import SmootherInput
 from bahrs_driver.clock.estimation.tracker import Tracker
-from bahrs_driver.clock.held import Held, HeldMessages
+from bahrs_driver.clock.held import HeldMessage, HeldNavigation, HeldSample, HeldTime
 from bahrs_driver.clock.interface import Clock, Instant, Smoothing, Stamped, TimeState
 from bahrs_driver.clock.notices import Notices
 from bahrs_driver.clock.options import ClockOptions
 from bahrs_driver.clock.read_observer import ReadObserver
 from bahrs_driver.clock.slewer import StampSlewer
+from bahrs_driver.clock.stamp_queue import StampQueue
 from bahrs_driver.clock.stamper import Stamper
 from bahrs_driver.clock.sync_pulses import SyncPulses
 from bahrs_driver.protocol.framing import Frame
@@ -58,23 +56,22 @@ class SampleClock(Clock):
         self._pulses = SyncPulses(options.source == 'sync_pulse', options.pulse_period,
                                   options.external_pulse_times)
         self._stamper = Stamper(roles, self._device, self._estimate, self._slewer, self._pulses)
-        self._held = HeldMessages(roles.sample, options.most_held)
-        self._early: list[Held] = []    # held messages before the first sample
-        self._stamped: list[Stamped] = []
-        self._may_hold = True           # False after device time was awaited in vain
+        self._queue = StampQueue(self._device, self._estimate, self._stamper, self._reads,
+                                 options.most_held, self._begin_epoch)
         self._epochs = self._epoch_began = 0
-        self._handlers: dict[type, Callable[[Held], None]] = {
-            roles.sample: self._handle_sample, roles.navigation: self._handle_navigation,
-            roles.sample_time: partial(self._handle_time, self._device.count_for_sample_time),
-            roles.navigation_time: partial(
-                self._handle_time, self._device.count_for_navigation_time),
-            roles.sync_pulse: self._handle_pulse}
+        time_of_sample = partial(self._handle_time, self._device.count_for_sample_time)
+        time_of_navigation = partial(self._handle_time, self._device.count_for_navigation_time)
+        self._handlers: dict[type, tuple[type[HeldMessage], Callable[[Any], None]]] = {
+            roles.sample: (HeldSample, self._handle_sample),
+            roles.navigation: (HeldNavigation, self._handle_navigation),
+            roles.sample_time: (HeldTime, time_of_sample),
+            roles.navigation_time: (HeldTime, time_of_navigation),
+            roles.sync_pulse: (HeldTime, self._handle_pulse)}
 
     def begin(self, byte_time: int) -> None:
         """Begin another stream, on a line that transmits a byte in byte_time ns."""
         self._reads.begin(byte_time)
-        self._held.take_all()
-        self._early.clear()
+        self._queue.clear()
 
     def observe_read(self, now: Instant, received: int) -> None:
         """Record the instant of a read, and the bytes of the stream received by then."""
@@ -85,15 +82,15 @@ class SampleClock(Clock):
         """Add the messages that the read completed; return all whose time is known."""
         bound = self._reads.bounds.bound
         for message, frame in messages:
-            self._add(Held(message, frame, bound(frame.offset)))
+            self._examine(message, frame, bound(frame.offset))
         self._update_pulses()
-        self._release()
-        return self._take_stamped()
+        self._queue.release()
+        return self._queue.take_stamped()
 
     def end(self) -> list[Stamped]:
         """End the stream; return the messages that still waited for a stamp."""
-        self._stop_holding()
-        return self._take_stamped()
+        self._queue.stop_holding()
+        return self._queue.take_stamped()
 
     def pulse_reference(self, ros_ns: int) -> None:
         """Add the ROS time of an external sync pulse. Any thread may call it."""
@@ -121,7 +118,7 @@ class SampleClock(Clock):
         in_use = 'sync_pulse' if pulses.active_tracker else 'device'
         return TimeState(
             source=self._options.source, in_use=in_use if known else 'arrival',
-            label=device.convention.label, settled=known, held=len(self._held), offset_ns=offset,
+            label=device.convention.label, settled=known, held=len(self._queue), offset_ns=offset,
             skew_ppm=estimate.skew * 1e6, spread_us=estimate.spread / NS_PER_US,
             period_us=None if period is None else period / NS_PER_US, epochs=self._epochs,
             rejected_samples=estimate.rejected, rejected_time_messages=device.rejected,
@@ -132,36 +129,35 @@ class SampleClock(Clock):
             pulse_delay_us=None if delay is None else delay / NS_PER_US,
             median_chunk=self._reads.median_chunk)
 
-    # Examine all messages of a read before any of them is stamped.
-
-    def _add(self, item: Held) -> None:
-        """Examine a message, and hold it behind the others."""
-        kind, device = type(item.message), self._device
-        handler = self._handlers.get(kind)
-        if handler is None or not getattr(item.message, 'valid', True):
+    def _examine(self, message: Message, frame: Frame, bound: int) -> None:
+        """Learn from a message about device time, and hold it behind the others."""
+        kind, device = type(message), self._device
+        if kind not in self._handlers or not getattr(message, 'valid', True):
             self._handle_interruption(kind)
+            self._queue.hold(HeldMessage(message, frame, bound))
+            return
+        if not device.awaits_sample and device.counter.silence_before(bound):
+            self._queue.stop_holding()
+            self._stamper.lose_count()
+            device.await_sample()
+        held_type, handle = self._handlers[kind]
+        item = held_type(message, frame, bound)
+        if device.awaits_sample and kind is not self._roles.sample:
+            self._queue.hold_early(item)
         else:
-            item.timed = True
-            if not device.awaits_sample and device.counter.silence_before(item.bound):
-                self._stop_holding()
-                self._stamper.lose_count()
-                device.await_sample()
-            if device.awaits_sample and kind is not self._roles.sample:
-                self._early.append(item)
-            else:
-                handler(item)
-        self._held.items.append(item)
+            handle(item)
+            self._queue.hold(item)
 
     def _handle_interruption(self, kind: type) -> None:
         """Stop holding if no later time message can apply to the held samples."""
         if kind is self._roles.power_on:
-            self._stop_holding()
+            self._queue.stop_holding()
             self._stamper.lose_count()
             self._device.discard()
         elif kind in self._roles.service:
-            self._stop_holding()
+            self._queue.stop_holding()
 
-    def _handle_sample(self, item: Held) -> None:
+    def _handle_sample(self, item: HeldSample) -> None:
         device, counter, bound = self._device, self._device.counter, item.bound
         sequence = item.message.sequence
         if device.awaits_sample:
@@ -170,7 +166,7 @@ class SampleClock(Clock):
         item.count = counter.count
         if plausible and device.known:
             self._estimate.feed(device.time_of(counter.count), bound)
-        item.unfed = plausible and not device.known
+        item.feed_later = plausible and not device.known
 
     def _add_after_gap(self, sequence: int, bound: int) -> bool:
         """Count a sample that does not follow the latest one; return whether it is plausible."""
@@ -179,7 +175,7 @@ class SampleClock(Clock):
             sequence, bound, highest)
         plausible = ambiguous or counter.add(sequence, bound, highest)
         if ambiguous or counter.lost:
-            self._stop_holding()
+            self._queue.stop_holding()
             self._device.jump_count(sequence, bound)
             self._stamper.lose_count()
         return plausible
@@ -187,17 +183,17 @@ class SampleClock(Clock):
     def _resume_count(self, sequence: int, bound: int) -> None:
         """Continue the count with the next sample, and examine the messages before it."""
         self._device.resume_count(sequence, bound)
-        self._may_hold = True
-        early, self._early = self._early, []
-        for item in early:
-            item.preceding_lost = True
-            self._handlers[type(item.message)](item)
+        for item in self._queue.take_early():
+            if isinstance(item, HeldNavigation):
+                item.preceding_lost = True
+            _, handle = self._handlers[type(item.message)]
+            handle(item)
 
-    def _handle_navigation(self, item: Held) -> None:
+    def _handle_navigation(self, item: HeldNavigation) -> None:
         self._device.pair(item.message.sequence)
         item.preceding = self._device.counter.latest
 
-    def _handle_time(self, referenced: Callable[[int], int | None], item: Held) -> None:
+    def _handle_time(self, referenced: Callable[[int], int | None], item: HeldTime) -> None:
         message, was_known = item.message, self._device.known
         item.device_time = time = message.device_time_us * NS_PER_US
         count = referenced(message.reference_sequence)
@@ -205,13 +201,13 @@ class SampleClock(Clock):
             return
         lateness = self._lateness(time, item.bound)
         if was_known and not self._device.agrees(count, time):
-            self._stamp_held(known=True)        # earlier messages keep the present timeline
-        if self._device.add_time(count, time, lateness) is Verdict.NEW_EPOCH:
+            self._queue.stamp_held(known=True)      # earlier messages keep the present timeline
+        if self._device.add_time(count, time, lateness):
             self._begin_epoch()
         if self._device.known and not was_known:
-            self._feed_held()
+            self._queue.feed_held()
 
-    def _handle_pulse(self, item: Held) -> None:
+    def _handle_pulse(self, item: HeldTime) -> None:
         item.device_time = item.message.device_time_us * NS_PER_US
         self._pulses.add(item.device_time)
 
@@ -238,59 +234,6 @@ class SampleClock(Clock):
         # The first messages may be old ones from a buffer of the system: they prove no restart.
         if self._epochs > 1 and self._epoch_began - began > SETTLING:
             self._notices.add("the device's clock has jumped: was the device restarted?")
-
-    def _feed_held(self) -> None:
-        """Add the held samples to the estimate, now that their device times are known."""
-        self._may_hold = True
-        for item in self._held.items:
-            if item.unfed and item.count is not None:
-                self._estimate.feed(self._device.time_of(item.count), item.bound)
-                item.unfed = False
-
-    # Stamp messages after all messages of the read were examined.
-
-    def _stop_holding(self) -> None:
-        """Stamp the held messages now, because later messages do not improve their time."""
-        self._stop_doubting()
-        self._stamp_held(self._device.known)
-        self._may_hold = True
-
-    def _stop_doubting(self) -> None:
-        if len(self._held) and not self._device.known:
-            if self._device.stop_doubting() is Verdict.NEW_EPOCH:
-                self._begin_epoch()
-            if self._device.known:
-                self._feed_held()
-
-    def _release(self) -> None:
-        """Stamp the held messages, unless they can wait for a better time."""
-        waiting = self._may_hold and self._held.timed and not self._ready
-        if waiting and not self._held.full:
-            return
-        if waiting:
-            self._stop_doubting()
-            self._may_hold = self._ready
-        self._stamp_held(self._device.known)
-
-    @property
-    def _ready(self) -> bool:
-        return self._device.known and self._estimate.ready
-
-    def _stamp_held(self, known: bool) -> None:
-        """Stamp all held messages: by device time if it is known, else by arrival."""
-        known = known and self._estimate.started
-        self._early.clear()
-        items = self._held.take_all()
-        if not known:
-            self._stamper.add_arrivals(items)
-        for item in items:
-            stamp = self._stamper.stamp(item, known, self._reads.now)
-            if stamp is not None:
-                self._stamped.append(Stamped(item.message, item.frame, stamp))
-
-    def _take_stamped(self) -> list[Stamped]:
-        stamped, self._stamped = self._stamped, []
-        return stamped
 
     def _update_pulses(self) -> None:
         device, estimate = self._device, self._estimate

@@ -16,7 +16,7 @@ from bahrs_driver.clock.counter import CountedSequence
 from bahrs_driver.clock.device_time import DeviceTime
 from bahrs_driver.clock.estimation.estimate import Estimate
 from bahrs_driver.clock.estimation.tracker import Tracker
-from bahrs_driver.clock.held import Held
+from bahrs_driver.clock.held import HeldMessage, HeldNavigation, HeldSample, HeldTime
 from bahrs_driver.clock.interface import Instant
 from bahrs_driver.clock.slewer import IMPOSSIBLE, StampSlewer
 from bahrs_driver.clock.sync_pulses import SyncPulses
@@ -53,10 +53,10 @@ class Stamper:
         """Discard the relation of counts to arrivals: the count was interrupted."""
         self._by_count.restart()
 
-    def add_arrivals(self, items: Iterable[Held]) -> None:
+    def add_arrivals(self, items: Iterable[HeldMessage]) -> None:
         """Add samples that are about to be stamped without device time."""
         for item in items:
-            if item.count is not None:
+            if isinstance(item, HeldSample):
                 self._by_count.feed(item.count * self._roles.sample_period, item.bound)
 
     def allow_backward(self) -> None:
@@ -64,7 +64,7 @@ class Stamper:
         self._slewer.allow_backward()
         self._latest = None
 
-    def stamp(self, item: Held, known: bool, now: Instant) -> int | None:
+    def stamp(self, item: HeldMessage, known: bool, now: Instant) -> int | None:
         """
         Return the stamp of the next message, or None if its time is impossible.
 
@@ -72,16 +72,14 @@ class Stamper:
         """
         if not item.timed:
             return self._slewer.to_ros_time(item.bound)
-        if item.device_time is not None:
+        if isinstance(item, HeldTime) and item.device_time is not None:
             stamp = self._stamp_device_time(item, item.device_time, now) if known else None
         else:
-            stamp = self._stamp_count(item, item.count, known, now) if item.preceding is None \
-                else self._stamp_navigation(item, item.preceding, known, now)
+            stamp = self._stamp_sample_time(item, known, now)
             self.dropped += stamp is None
-        kind = type(item.message)
-        if stamp is None or kind is self._roles.sample:
+        if stamp is None or isinstance(item, HeldSample):
             return stamp
-        return self._slewer.in_order(kind, stamp)
+        return self._slewer.in_order(type(item.message), stamp)
 
     def host_time(self, device: int) -> tuple[int, float]:
         """Return the raw time of a device time, and the skew."""
@@ -91,7 +89,14 @@ class Stamper:
         delay = self._pulses.delay.value if self._pulses.enabled else None
         return self._estimate.host_time(device) - (delay or 0), self._estimate.skew
 
-    def _stamp_navigation(self, item: Held, preceding: CountedSequence, known: bool,
+    def _stamp_sample_time(self, item: HeldMessage, known: bool, now: Instant) -> int | None:
+        """Return the stamp of a sample, or of a message that belongs to one."""
+        if isinstance(item, HeldNavigation) and item.preceding:
+            return self._stamp_navigation(item, item.preceding, known, now)
+        count = item.count if isinstance(item, HeldSample) else None
+        return self._stamp_count(item, count, known, now)
+
+    def _stamp_navigation(self, item: HeldNavigation, preceding: CountedSequence, known: bool,
                           now: Instant) -> int | None:
         """Return the stamp of the sample that a navigation message was computed from."""
         count = self._device.navigation.count(item.message.sequence, preceding)
@@ -102,13 +107,15 @@ class Stamper:
             stamp = self._reuse_or_stamp(item, preceding.count, known, now)
         return stamp
 
-    def _reuse_or_stamp(self, item: Held, count: int, known: bool, now: Instant) -> int | None:
+    def _reuse_or_stamp(self, item: HeldMessage, count: int, known: bool,
+                        now: Instant) -> int | None:
         """Return the stamp of the latest sample if it has this count, else a new one."""
         if self._latest and self._latest.count == count:
             return self._latest.stamp
         return self._stamp_count(item, count, known, now)
 
-    def _stamp_count(self, item: Held, count: int | None, known: bool, now: Instant) -> int | None:
+    def _stamp_count(self, item: HeldMessage, count: int | None, known: bool,
+                     now: Instant) -> int | None:
         """Stamp the sample with this count; it becomes the latest sample."""
         device = None
         if known and count is not None:
@@ -118,7 +125,7 @@ class Stamper:
             if stamp is None:
                 return None
         else:
-            self.arrivals += type(item.message) is self._roles.sample
+            self.arrivals += isinstance(item, HeldSample)
             arrival = item.bound
             if count is not None and self._by_count.started:
                 arrival = min(arrival, self._by_count.host_time(
@@ -127,7 +134,7 @@ class Stamper:
         self._latest = _Latest(count, device, stamp)
         return stamp
 
-    def _stamp_device_time(self, item: Held, device: int, now: Instant) -> int | None:
+    def _stamp_device_time(self, item: HeldTime, device: int, now: Instant) -> int | None:
         """Return the ROS time of the device time in a message, unless it is far from now."""
         latest = self._latest
         if latest and latest.device is not None \

@@ -1,8 +1,8 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the reference, timeline and verdict of time messages, with literal numbers."""
+"""Tests of the convention, timeline and trust of time messages, with literal numbers."""
 
-from bahrs_driver.clock.device_time import DeviceTime, Verdict
+from bahrs_driver.clock.device_time import DeviceTime
 from bahrs_driver.clock.time_reference import TimeReferenceConvention
 from bahrs_driver.clock.timeline import Timeline
 from bahrs_driver.protocol.bahrs.roles import ROLES
@@ -53,6 +53,9 @@ def test_timeline_rejects_an_implausible_slope():
     assert not Timeline(0, 0, PERIOD).agrees(20, 104_000_000)
 
 
+KNOWN, NEW_EPOCH, DOUBTED = 'known', 'new epoch', 'doubted'
+
+
 def device(samples=1):
     """Return device time after some samples."""
     made = DeviceTime(ROLES, 'same')
@@ -61,61 +64,63 @@ def device(samples=1):
     return made
 
 
-def verdicts(made, *messages):
-    """Return the verdict on each time message: count, time, lateness."""
-    return [made.add_time(*message) for message in messages]
+def add(made, *messages):
+    """Add time messages (count, time, lateness); return the state after each."""
+    states = []
+    for message in messages:
+        jumped = made.add_time(*message)
+        assert made.known or not jumped
+        states.append(NEW_EPOCH if jumped else KNOWN if made.known else DOUBTED)
+    return states
 
 
-KNOWN, NEW, DOUBTED = Verdict.KNOWN, Verdict.NEW_EPOCH, Verdict.DOUBTED
-
-
-def test_two_that_agree_begin_the_first_epoch():
-    """A single one may be wrong."""
+def test_two_agreeing_messages_begin_the_first_epoch():
+    """A single message may be wrong."""
     made = device()
-    assert verdicts(made, (0, START, None), (20, START + 20 * PERIOD, None)) == [DOUBTED, NEW]
+    assert add(made, (0, START, None), (20, START + 20 * PERIOD, None)) == [DOUBTED, NEW_EPOCH]
     assert made.known and made.time_of(40) == START + 40 * PERIOD
 
 
-def test_one_wrong_message_is_outvoted():
-    """By the next one; device time is not known in between."""
+def test_the_next_message_outvotes_one_wrong_message():
+    """Device time is not known in between."""
     made = device()
-    verdicts(made, (0, START, None), (20, START + 20 * PERIOD, None))
-    assert verdicts(made, (40, 77_000_000_000, -10 ** 10)) == [DOUBTED]
+    add(made, (0, START, None), (20, START + 20 * PERIOD, None))
+    assert add(made, (40, 77_000_000_000, -10 ** 10)) == [DOUBTED]
     assert not made.known
-    assert verdicts(made, (60, START + 60 * PERIOD, 0)) == [KNOWN]
+    assert add(made, (60, START + 60 * PERIOD, 0)) == [KNOWN]
     assert made.known and made.rejected == 1
 
 
-def test_two_that_contradict_and_agree_are_a_restart():
+def test_two_agreeing_messages_that_contradict_the_timeline_show_a_restart():
     """Device time is near zero again."""
     made = device()
     late = 3600 * 10 ** 9
-    verdicts(made, (0, late, None), (20, late + 20 * PERIOD, None))
-    assert verdicts(made, (40, START, late), (60, START + 20 * PERIOD, late)) == [DOUBTED, NEW]
+    add(made, (0, late, None), (20, late + 20 * PERIOD, None))
+    assert add(made, (40, START, late), (60, START + 20 * PERIOD, late)) == [DOUBTED, NEW_EPOCH]
     assert made.time_of(60) == START + 20 * PERIOD
 
 
-def test_two_after_lost_counts_are_no_new_epoch():
+def test_two_agreeing_messages_after_lost_counts_begin_no_epoch():
     """The host's clock confirms their time."""
     made = device()
-    verdicts(made, (0, START, None), (20, START + 20 * PERIOD, None))
-    assert verdicts(made, (40, START + 296 * PERIOD, 50_000),
-                    (60, START + 316 * PERIOD, 50_000)) == [DOUBTED, KNOWN]
+    add(made, (0, START, None), (20, START + 20 * PERIOD, None))
+    assert add(made, (40, START + 296 * PERIOD, 50_000),
+               (60, START + 316 * PERIOD, 50_000)) == [DOUBTED, KNOWN]
 
 
-def test_after_silence_one_is_enough_if_the_hosts_clock_agrees():
-    """The device was unplugged, and not switched off."""
+def test_after_silence_one_message_suffices_if_the_hosts_clock_agrees():
+    """The device was unplugged, but not switched off."""
     made = device()
-    verdicts(made, (0, START, None), (20, START + 20 * PERIOD, None))
+    add(made, (0, START, None), (20, START + 20 * PERIOD, None))
     made.jump_count(100, 10 ** 10)
     assert not made.known
     count = made.counter.count
-    assert verdicts(made, (count, START + 2000 * PERIOD, 90_000)) == [KNOWN]
+    assert add(made, (count, START + 2000 * PERIOD, 90_000)) == [KNOWN]
     assert made.time_of(count + 1) == START + 2001 * PERIOD
 
 
-def test_navigation_goes_with_the_inertial_sample_of_its_time():
-    """Also after the counter wrapped."""
+def test_a_navigation_time_message_names_the_inertial_sample_of_its_navigation_message():
+    """Navigation message 2 belongs to sample 4, and 3 to sample 6."""
     made = device(5)
     made.pair(2)
     assert made.navigation.count(2, made.counter.latest) == 4

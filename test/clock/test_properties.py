@@ -3,7 +3,7 @@
 """For any input, the clock does not raise, keeps its promises, and recovers."""
 
 from bahrs_driver.clock import ClockOptions, Instant, SampleClock
-from bahrs_driver.clock.held import MESSAGES_PER_SAMPLE
+from bahrs_driver.clock.stamp_queue import MESSAGES_PER_SAMPLE
 from bahrs_driver.protocol.bahrs.messages import (
     Inertial,
     InertialTime,

@@ -32,7 +32,6 @@ FIRST_DEVIATION = 10 * NS_PER_MS
 JUMP_DEVIATION = 10 * NS_PER_MS
 EQUAL_BUCKETS = 20                      # late by the same amount: the path has changed
 NEIGHBOURS = 10                         # buckets on either side that determine the spread
-ROUNDS = 2
 MIN_BUCKETS = 5                         # or pairs of buckets, to determine a slope
 SLOPE_DEVIATION, SKEW_DEVIATION = 20e-6, 100e-6
 ABOVE_WEIGHT = 4.0                      # factor on the variance of a bucket above the curve
@@ -51,85 +50,114 @@ class Bucket(NamedTuple):
         return self.offset - self.gap if self.gap < CLOSE_GAP else self.offset
 
 
-class _Pass(NamedTuple):
-    """Indices of the accepted buckets, and of those before which the path changed."""
-
-    accepted: set[int]
-    jumps: set[int]
-
-
 def smooth(buckets: Sequence[Bucket]) -> OffsetCurve:
     """Return the offset curve of an epoch."""
-    begin = buckets[0].time
+    begin, base = buckets[0].time, buckets[0].offset
     if len(buckets) < MIN_BUCKETS:      # the skew is unknown, and most may have been late
         smallest = min(buckets, key=lambda bucket: bucket.offset)
         return OffsetCurve(begin, [Knot(smallest.time, smallest.offset, 0.0)])
-    spreads = _spreads(buckets)
-    accepted, jumps = _both_ways(buckets, spreads)
-    base, kept = buckets[0].offset, sorted(accepted)
-    # The smoother sees kept buckets only: a jump applies to the first one at or after it.
-    jump_variances = [JUMP_DEVIATION ** 2 * any(previous < jump <= index for jump in jumps)
-                      for previous, index in zip([-1, *kept], kept)]
-    weights = [1.0] * len(kept)
-    for _ in range(ROUNDS):
-        states = rts_smooth([
-            Measurement(buckets[index].time - begin, buckets[index].measured - base,
-                        _variance(buckets[index].gap, spreads[index]) * weight, jump_variance)
-            for index, weight, jump_variance in zip(kept, weights, jump_variances)],
-            FIRST_DEVIATION ** 2)
-        weights = [ABOVE_WEIGHT if buckets[index].measured - base > offset else 1.0
-                   for index, (offset, _) in zip(kept, states)]
-    return OffsetCurve(begin, [Knot(buckets[index].time, base + round(offset), skew)
-                               for index, (offset, skew) in zip(kept, states)])
+    measurements = _measurements(buckets)
+    return OffsetCurve(begin, [
+        Knot(begin + measurement.time, base + round(offset), skew)
+        for measurement, (offset, skew) in zip(measurements, _fit(measurements))])
 
 
-def _both_ways(buckets: Sequence[Bucket], spreads: Sequence[float]) -> _Pass:
-    """Combine a forward and a backward pass."""
-    forward = _run(buckets, spreads)
-    backward = _run(buckets[::-1], spreads[::-1])
+def _measurements(buckets: Sequence[Bucket]) -> list[Measurement]:
+    """Return the accepted buckets as measurements, relative to the first bucket."""
+    first, spreads = buckets[0], _spreads(buckets)
+    accepted, jumps = _accepted_both_ways(buckets, spreads)
+    measurements, previous = [], -1
+    for index in sorted(accepted):
+        bucket = buckets[index]
+        # The path may have changed before a rejected bucket between this one and the previous.
+        jumped = any(previous < jump <= index for jump in jumps)
+        measurements.append(Measurement(
+            bucket.time - first.time, bucket.measured - first.offset,
+            _variance(bucket.gap, spreads[index]), JUMP_DEVIATION ** 2 * jumped))
+        previous = index
+    return measurements
+
+
+def _fit(measurements: Sequence[Measurement]) -> list[tuple[float, float]]:
+    """Return offset and skew at each measurement; those above the curve get less weight."""
+    curve = rts_smooth(measurements, FIRST_DEVIATION ** 2)
+    return rts_smooth([
+        item._replace(variance=ABOVE_WEIGHT * item.variance) if item.offset > offset else item
+        for item, (offset, _) in zip(measurements, curve)], FIRST_DEVIATION ** 2)
+
+
+def _accepted_both_ways(buckets: Sequence[Bucket],
+                        spreads: Sequence[float]) -> tuple[set[int], set[int]]:
+    """Return the indices of accepted buckets and of jumps, by a forward and a backward pass."""
+    forward = _Pass(buckets, spreads)
+    backward = _Pass(buckets[::-1], spreads[::-1])
     last = len(buckets) - 1
     accepted = _agreed(forward.accepted, {last - index for index in backward.accepted})
     # A backward pass finds the jump at the last bucket before it.
     jumps = forward.jumps | {last - index + 1 for index in backward.jumps}
-    return _Pass(accepted or set(range(len(buckets))), jumps)
+    return accepted or set(range(len(buckets))), jumps
 
 
 def _agreed(forward: set[int], backward: set[int]) -> set[int]:
-    """Return the buckets that both passes accepted; or one pass, if the other lost track."""
+    """Return the buckets that both passes accepted, or those of one if the other lost track."""
     both, larger = forward & backward, max(forward, backward, key=len)
     return both if len(both) > len(larger) // 2 else larger
 
 
-def _run(buckets: Sequence[Bucket], spreads: Sequence[float]) -> _Pass:
-    """Run the rules of the tracker over the buckets in the given order."""
-    first = buckets[0]
-    kalman = OffsetFilter(first.time, first.offset, FIRST_DEVIATION, _slope(buckets),
-                          SLOPE_DEVIATION if len(buckets) >= 2 * MIN_BUCKETS else SKEW_DEVIATION)
-    accepted, jumps, last_time = set[int](), set[int](), first.time
-    late: deque[tuple[int, float]] = deque(maxlen=EQUAL_BUCKETS)
-    for index, (bucket, spread) in enumerate(zip(buckets, spreads)):
+class _Late(NamedTuple):
+    """Index of a late bucket, and its innovation."""
+
+    bucket_index: int
+    innovation: float
+
+
+class _Pass:
+    """
+    A pass over the buckets, in the given order, by the rules of the tracker.
+
+    `accepted` has the indices of accepted buckets, `jumps` those before which the path changed.
+    """
+
+    def __init__(self, buckets: Sequence[Bucket], spreads: Sequence[float]) -> None:
+        self.accepted, self.jumps = set[int](), set[int]()
+        first = buckets[0]
+        self._filter = OffsetFilter(
+            first.time, first.offset, FIRST_DEVIATION, _slope(buckets),
+            SLOPE_DEVIATION if len(buckets) >= 2 * MIN_BUCKETS else SKEW_DEVIATION)
+        self._accepted_time = first.time
+        self._late: deque[_Late] = deque(maxlen=EQUAL_BUCKETS)      # since the accepted time
+        for index, (bucket, spread) in enumerate(zip(buckets, spreads)):
+            self._add(index, bucket, spread)
+
+    def _add(self, index: int, bucket: Bucket, spread: float) -> None:
+        kalman = self._filter
         kalman.predict(bucket.time)
         variance = _variance(bucket.gap, spread)
         limit = gate(kalman.variance + variance)
         innovation = bucket.measured - kalman.offset(bucket.time)
-        if innovation > limit:
-            late.append((index, innovation))
-            path_changed = len(late) == EQUAL_BUCKETS and nearly_equal(
-                [value for _, value in late], spread)
-            if not path_changed and abs(bucket.time - last_time) <= PATIENCE:
-                continue
-            jumps.add(late[0][0])
-            accepted |= {late_index for late_index, _ in late}
-        elif innovation < -limit and innovation + bucket.gap >= -limit:
-            continue                    # no second sample confirms the smallest one
+        if innovation > limit and not self._add_late(index, bucket, innovation, spread):
+            return
+        if innovation < -limit <= innovation + bucket.gap:
+            return                      # no second sample confirms the smallest one
         if abs(innovation) > limit:
             kalman.set_offset(bucket.offset, FIRST_DEVIATION)
         else:
             kalman.correct(innovation, variance)
-        accepted.add(index)
-        last_time = bucket.time
-        late.clear()
-    return _Pass(accepted, jumps)
+        self.accepted.add(index)
+        self._accepted_time = bucket.time
+        self._late.clear()
+
+    def _add_late(self, index: int, bucket: Bucket, innovation: float, spread: float) -> bool:
+        """Add a late bucket; return whether the path has changed, and accept all late ones."""
+        late = self._late
+        late.append(_Late(index, innovation))
+        equal = len(late) == EQUAL_BUCKETS and nearly_equal(
+            [item.innovation for item in late], spread)
+        if not equal and abs(bucket.time - self._accepted_time) <= PATIENCE:
+            return False
+        self.jumps.add(late[0].bucket_index)
+        self.accepted.update(item.bucket_index for item in late)
+        return True
 
 
 def _slope(buckets: Sequence[Bucket]) -> float:
