@@ -28,7 +28,7 @@ class ParameterTable(Generic[Settings]):
     def __init__(self, devices: Mapping[str, type[Settings]]) -> None:
         """Merge the parameters; ValueError if two devices define one name differently."""
         self._devices = devices
-        sensor = Parameter(SENSOR, next(iter(devices)), 'Which device is on the port.',
+        sensor = Parameter(SENSOR, next(iter(devices)), 'Device on the port.',
                            choices=tuple(devices))
         rows = {SENSOR: sensor}
         for kind in devices.values():

@@ -18,23 +18,23 @@ class Stddev(common.Stddev):
     """Assumed standard deviations; 0 is unknown."""
 
     orientation_fallback: float = setting(
-        0.1, 'Standard deviation of the orientation of a bahrs about each axis while the device '
-        'reports no accuracy. 0 is unknown: the covariance is then all zeros, which some filters '
-        'take for certainty.', 'rad', low=0.0, high=4.0)
+        0.1, 'Standard deviation of the orientation of a bahrs about each axis, used while the '
+        'device reports no accuracy. 0 means unknown: the covariance is then all zeros, which '
+        'some filters take for certainty.', 'rad', low=0.0, high=4.0)
     pressure_height: float = setting(
-        1.0, 'Standard deviation of the pressure height; 0 is unknown.', 'm',
-        low=0.0, high=1000.0)
+        1.0, 'Standard deviation of the pressure height. 0 means unknown.', 'm', low=0.0,
+        high=1000.0)
 
 
 @dataclass(frozen=True)
 class MagneticField(common.MagneticField):
     """The magnetic field at the device."""
 
-    strength: float = setting(50e-6, 'Strength of the magnetic field that imu/mag is derived '
-                              'with.', 'T', low=0.0, high=1e-3)
+    strength: float = setting(
+        50e-6, 'Magnetic field strength that imu/mag is derived with.', 'T', low=0.0, high=1e-3)
     dip: float = setting(
-        0.0, 'Dip of the magnetic field that imu/mag is derived with, positive downward; 0 gives '
-        'a horizontal field.', 'degree', low=-90.0, high=90.0)
+        0.0, 'Magnetic dip that imu/mag is derived with, positive downward. 0 is a horizontal '
+        'field.', 'degree', low=-90.0, high=90.0)
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,8 @@ class Publish(common.Publish):
     """Settings of the published messages."""
 
     derived_magnetic_field: bool = setting(
-        True, 'Whether to publish imu/mag for a device that reports a heading but no field.')
+        True, 'Publish imu/mag, derived from attitude and heading, for a device that does not '
+        'report the magnetic field.')
 
 
 @dataclass(frozen=True)
@@ -50,23 +51,23 @@ class Integrity(Group):
     """The treatment of signals at integrity risk."""
 
     risk_policy: Literal['inflate', 'withhold', 'pass'] = setting(
-        'inflate', 'What becomes of a signal at integrity risk: inflate publishes it with a '
-        'larger variance, withhold treats it as unavailable, pass publishes it as it is.')
+        'inflate', 'How to publish a signal at integrity risk: inflate increases its variance, '
+        'withhold treats it as unavailable, pass publishes it unchanged.')
     risk_inflation: float = setting(
-        100.0, 'Factor on the variance of a signal at integrity risk, for the policy inflate.',
-        low=1.0, high=1e6)
+        100.0, 'Factor on the variance of a signal at integrity risk if integrity.risk_policy is '
+        'inflate.', low=1.0, high=1e6)
 
 
 @dataclass(frozen=True)
 class SyncPulse(Group):
     """The sync pulses that the device marks."""
 
-    period: float = setting(1.0, 'Time from one sync pulse to the next.', 's',
-                            low=0.1, high=60.0)
+    period: float = setting(1.0, 'Time between two sync pulses.', 's', low=0.1, high=60.0)
     reference: str = setting(
-        ROS_CLOCK, 'Where the time of a sync pulse is known from: ros_clock takes the nearest '
-        'whole period of ROS time, for a host that is disciplined by the same receiver; anything '
-        'else is the name of a sensor_msgs/TimeReference topic whose header has it.')
+        ROS_CLOCK, 'Source of the times of the sync pulses: ros_clock rounds ROS time to the '
+        'nearest whole period, for a host clock that is disciplined by the receiver that sends '
+        'the pulses; any other value is the name of a sensor_msgs/TimeReference topic that has '
+        'the time in its header.')
 
 
 @dataclass(frozen=True)
@@ -74,8 +75,9 @@ class Time(common.Time):
     """How stamps are made."""
 
     label: Literal['auto', 'next', 'same'] = setting(
-        'auto', 'Which sample a time message names: next is the one after the sample that it is '
-        'about, as devices do, same is that sample, as the protocol document says.')
+        'auto', 'Sample that a time message names: next is the sample after the one whose time it '
+        'holds, as real devices send it; same is that sample itself, as the protocol document '
+        'says; auto detects it.')
     sync_pulse: SyncPulse = SyncPulse()
 
 
@@ -84,8 +86,8 @@ class PressureHeight(Group):
     """The pressure height on the wire."""
 
     format: Literal['uint16', 'int16'] = setting(  # noqa: A003
-        'uint16', 'How the pressure height stands on the wire. Devices send uint16; int16 is what '
-        'the protocol document says.')
+        'uint16', 'Format of the pressure height in frames: uint16 as real devices send it, int16 '
+        'as the protocol document says.')
 
 
 @dataclass(frozen=True)
@@ -99,8 +101,8 @@ class BahrsSettings(common.CommonSettings):
     integrity: Integrity = Integrity()
     pressure_height: PressureHeight = PressureHeight()
     crc_order: Literal['auto', 'word', 'byte'] = setting(
-        'auto', 'Order in which the CRC of a frame takes its bytes: 32-bit words, as devices do, '
-        'or single bytes, as the protocol document says.')
+        'auto', 'Order in which the CRC of a frame takes the bytes: word is in 32-bit words, as '
+        'real devices do it; byte is one by one, as the protocol document says; auto detects it.')
     nvm: NvmSettings = NvmSettings()
 
     def unused(self) -> Iterator[tuple[str, str]]:

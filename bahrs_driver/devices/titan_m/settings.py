@@ -23,28 +23,27 @@ class Stddev(common.Stddev):
     """Assumed standard deviations; 0 is unknown."""
 
     attitude: float = setting(
-        0.02, 'Standard deviation of roll and pitch of a titan_m: assumed, not measured; 0 is '
-        'unknown.', 'rad', low=0.0, high=4.0)
+        0.02, 'Assumed standard deviation of roll and pitch of a titan_m. 0 means unknown.', 'rad',
+        low=0.0, high=4.0)
     heading: float = setting(
-        0.05, 'Standard deviation of the heading of a titan_m: assumed, not measured; 0 is '
-        'unknown.', 'rad', low=0.0, high=4.0)
+        0.05, 'Assumed standard deviation of the heading of a titan_m. 0 means unknown.', 'rad',
+        low=0.0, high=4.0)
     position: float = setting(
-        2.5, 'Standard deviation of each horizontal component of a position by GPS; 0 is '
+        2.5, 'Standard deviation of each horizontal component of the GPS position. 0 means '
         'unknown.', 'm', low=0.0, high=1000.0)
     altitude: float = setting(
-        5.0, 'Standard deviation of an altitude by GPS; 0 is unknown.', 'm',
-        low=0.0, high=1000.0)
+        5.0, 'Standard deviation of the GPS altitude. 0 means unknown.', 'm', low=0.0, high=1000.0)
     magnetic_field: float = setting(
-        0.0, 'Standard deviation of each component of a measured magnetic field; 0 is unknown.',
-        'T', low=0.0, high=1e-3)
+        0.0, 'Standard deviation of each component of the measured magnetic field. 0 means '
+        'unknown.', 'T', low=0.0, high=1e-3)
     static_pressure: float = setting(
-        0.0, 'Standard deviation of a measured static pressure; 0 is unknown.', 'Pa',
-        low=0.0, high=1e5)
+        0.0, 'Standard deviation of the measured static pressure. 0 means unknown.', 'Pa', low=0.0,
+        high=1e5)
     differential_pressure: float = setting(
-        0.0, 'Standard deviation of the differential pressure; 0 is unknown.', 'Pa',
-        low=0.0, high=1e5)
+        0.0, 'Standard deviation of the differential pressure. 0 means unknown.', 'Pa', low=0.0,
+        high=1e5)
     temperature: float = setting(
-        0.0, 'Standard deviation of the temperature; 0 is unknown.', 'K', low=0.0, high=100.0)
+        0.0, 'Standard deviation of the temperature. 0 means unknown.', 'K', low=0.0, high=100.0)
 
 
 @dataclass(frozen=True)
@@ -52,8 +51,8 @@ class State(Group):
     """The answers that hold the state."""
 
     rate: float = setting(
-        50.0, 'How often to ask a titan_m for its state: attitude, velocity, position; 0 is '
-        'never.', 'Hz', low=0.01, high=1000.0, or_zero=True)
+        50.0, 'Rate at which the driver requests the state (attitude, velocity, position) of a '
+        'titan_m. 0 sends no requests.', 'Hz', low=0.01, high=1000.0, or_zero=True)
 
 
 @dataclass(frozen=True)
@@ -61,8 +60,8 @@ class Sensors(Group):
     """The answers that hold what the sensors measure."""
 
     rate: float = setting(
-        50.0, 'How often to ask a titan_m for what its sensors measure; 0 is never.', 'Hz',
-        low=0.01, high=1000.0, or_zero=True)
+        50.0, 'Rate at which the driver requests the sensor measurements of a titan_m. 0 sends no '
+        'requests.', 'Hz', low=0.01, high=1000.0, or_zero=True)
 
 
 @dataclass(frozen=True)
@@ -70,18 +69,18 @@ class Gps(Group):
     """The answers of the GPS, and its time."""
 
     rate: float = setting(
-        10.0, 'How often to ask a titan_m for its GPS position; 0 is never.', 'Hz',
-        low=0.01, high=1000.0, or_zero=True)
+        10.0, 'Rate at which the driver requests the GPS position of a titan_m. 0 sends no '
+        'requests.', 'Hz', low=0.01, high=1000.0, or_zero=True)
     week: int = setting(
-        0, 'GPS week since 1980 in which the driver is started, for a host whose clock is not '
-        'set; 0 is unknown. If the clock is set, the week nearest to it is used, and a gps.week '
-        'that contradicts it is reported.', low=0, high=3000)
-    leap_seconds: int = setting(18, 'GPS time less UTC, for time_reference.', 's',
-                                low=0, high=100)
+        0, 'GPS week (since 1980, without rollover) at the start of the driver, for a host whose '
+        'clock is not set. 0 means unknown. If the clock is set, the driver uses the week nearest '
+        'to it and reports a gps.week that contradicts it.', low=0, high=3000)
+    leap_seconds: int = setting(
+        18, 'GPS time minus UTC, for time_reference.', 's', low=0, high=100)
     geoid_height: float = setting(
-        0.0, 'Added to the altitude of fix: height of the geoid above the ellipsoid, if the '
-        'device gives altitudes above mean sea level, which its document does not say.', 'm',
-        low=-200.0, high=200.0)
+        0.0, 'Height of the geoid above the ellipsoid, added to the altitude of fix. Set it if '
+        'the device sends altitudes above mean sea level; its protocol document does not say.',
+        'm', low=-200.0, high=200.0)
 
 
 @dataclass(frozen=True)
@@ -89,16 +88,16 @@ class Request(Group):
     """How requests are sent."""
 
     pipelined: bool = setting(
-        False, 'Whether one request of each kind may be under way at once, rather than one at '
-        'all: for adapters that hold bytes back, if the device can take it.')
+        False, 'Allow one pending request of each kind, instead of one in total. It helps with '
+        'adapters that hold bytes back, if the device supports it.')
     timeout: float = setting(
-        0.2, 'Longest time to wait for an answer. It is shortened when the response time of the '
-        'device is known.', 's', low=0.01, high=5.0)
-    retries: int = setting(1, 'Number of times to repeat an unanswered request.',
-                           low=0, high=10)
+        0.2, 'Longest time to wait for an answer. The driver shortens it once it knows the '
+        'response time of the device.', 's', low=0.01, high=5.0)
+    retries: int = setting(
+        1, 'Number of times that an unanswered request is repeated.', low=0, high=10)
     message_id: Literal['zero', 'counted'] = setting(
-        'zero', 'Message id of requests: zero, byte for byte as in the protocol document, or '
-        'counted, to identify late answers if the device returns ids.')
+        'zero', 'Message id of requests: zero, byte for byte as in the protocol document; '
+        'counted, to identify late answers if the device returns the ids.')
 
 
 @dataclass(frozen=True)
@@ -111,11 +110,11 @@ class TitanMSettings(common.CommonSettings):
     gps: Gps = Gps()
     request: Request = Request()
     payload_order: ByteOrder = setting(
-        'auto', 'Byte order of the payloads of a titan_m: auto detects it by plausible values, '
-        'and holds answers until then.')
+        'auto', 'Byte order of the payloads of a titan_m. auto detects it from plausible values '
+        'and holds all answers until then.')
     checksum_order: ByteOrder = setting(
-        'auto', 'Byte order of the checksums of a titan_m: auto takes either in answers, and in '
-        'requests tries big, as printed in the protocol document, then little.')
+        'auto', 'Byte order of the checksums of a titan_m. auto accepts both in answers; in '
+        'requests it tries big, as printed in the protocol document, then little.')
 
     def unused(self) -> Iterator[tuple[str, str]]:
         """Yield the parameters that have no effect beside the others, each with the reason."""
