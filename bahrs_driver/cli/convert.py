@@ -8,15 +8,17 @@ import contextlib
 from datetime import datetime, timezone
 import json
 from pathlib import Path
-import sys
 
 from bahrs_driver.bag.capture import Capture
 from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.cli.capture_options import (
+    add_sensor_option, add_topic_option, sensor_of,
+)
 from bahrs_driver.cli.convert_settings import read_settings, unused_options
 from bahrs_driver.cli.node_options import checked_namespace
+from bahrs_driver.cli.printing import warn
 from bahrs_driver.cli.progress import progress_bar
-from bahrs_driver.cli.sensors import sensor_of
-from bahrs_driver.devices.registry import DEFAULT, DEVICES
+from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.errors import CaptureError, CommandError, ParameterError, WriteError
 from bahrs_driver.files.new_directory import new_directory
 from bahrs_driver.process.printable import printable
@@ -35,32 +37,30 @@ _EXAMPLES = """examples:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
-        'Regenerate all topics of the driver from the bytes of the device. Stamps are more\n'
-        'accurate than during the flight, because later data improves them. Stamps of a polled\n'
-        'device are arrival times, because requests are not recorded. Log times are the stamps,\n'
-        'without the steps of the host clock.')
+        'Regenerate all topics of the driver from recorded bytes. Stamps are more accurate than\n'
+        'those of the live driver, because the whole recording is used to estimate them. Stamps\n'
+        'of a polled device are arrival times, because requests are not recorded. Log times are\n'
+        'the stamps without the steps of the host clock.')
     parser.epilog = _EXAMPLES
     parser.add_argument('input', metavar='IN',
-                        help='bag with the topic raw, or file of bytes')
+                        help='bag with the topic raw, or file of raw bytes')
     parser.add_argument('output', metavar='OUT', help='directory to create')
     parser.add_argument('--as', dest='kind', choices=('bag', 'csv'), default='bag',
-                        help='a rosbag2 directory with MCAP, or a CSV file for each topic '
-                             '(default: %(default)s)')
-    parser.add_argument('--sensor', choices=tuple(DEVICES),
-                        help='device of the recording (default: that in the bag, or '
-                             f'{DEFAULT})')
+                        help='output format: a rosbag2 directory (MCAP), or one CSV file per '
+                             'topic (default: %(default)s)')
+    add_sensor_option(parser)
     parser.add_argument('--start', type=_time, metavar='TIME',
-                        help='time of the first time message in a file of bytes, as '
-                             '2026-05-01T12:00:00Z or in seconds since 1970 (default: stamps are '
-                             'device time, from 1970 on)')
-    parser.add_argument('--topic', metavar='NAME',
-                        help='topic of the bytes, for a bag with several')
+                        help='time of the first time message in a file of raw bytes, such as '
+                             '2026-05-01T12:00:00Z, or in seconds since 1970 (default: stamps '
+                             'are device time, counted from 1970)')
+    add_topic_option(parser)
     parser.add_argument('--namespace', default='', metavar='NAME',
                         help='namespace of the converted topics (default: none)')
     parser.add_argument('-p', '--param', dest='parameters', action='append', default=[],
-                        metavar='NAME:=VALUE', help='a parameter of the driver, as for the node')
+                        metavar='NAME:=VALUE',
+                        help='set a parameter of the driver, as for the node')
     parser.add_argument('--json', action='store_true',
-                        help='print the result as a JSON object')
+                        help='print the result as one JSON object')
 
 
 def run(options: argparse.Namespace) -> int:
@@ -121,7 +121,7 @@ def _convert(options: argparse.Namespace, conversion: Conversion, capture: Captu
 
 def _report(options: argparse.Namespace, notes: list[str], result: ConversionResult) -> None:
     for note in notes:
-        print(f'bahrs convert: {note}', file=sys.stderr)
+        warn('convert', note)
     seconds = (result.last_ns - result.first_ns) / NS_PER_S
     if options.json:
         print(json.dumps({**result._asdict(), 'output': options.output, 'notes': notes}))
@@ -139,8 +139,8 @@ def _time(text: str) -> int:
         try:
             time = datetime.fromisoformat(text.replace('Z', '+00:00'))
         except ValueError as error:
-            raise argparse.ArgumentTypeError(f'{text!r} is no time: it must be as '
-                                             '2026-05-01T12:00:00Z, or seconds') from error
+            raise argparse.ArgumentTypeError(f'{text!r} is not a time: write it as '
+                                             '2026-05-01T12:00:00Z, or in seconds') from error
         seconds = (time if time.tzinfo else time.replace(tzinfo=timezone.utc)).timestamp()
     if not 0 <= seconds < 2 ** 31:
         raise argparse.ArgumentTypeError(f'{text!r} is before 1970 or after 2038')

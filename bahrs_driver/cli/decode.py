@@ -16,6 +16,7 @@ from typing import BinaryIO
 
 from bahrs_driver.bag.bag_kind import is_bag
 from bahrs_driver.cli.inputs import binary_input
+from bahrs_driver.cli.printing import print_counts, warn
 from bahrs_driver.devices.registry import DEFAULT, DEVICES, examples
 from bahrs_driver.devices.stream_decoder import AnyDecoder
 from bahrs_driver.errors import CommandError
@@ -36,9 +37,9 @@ _SUFFIXES = {'specific_force': _BODY, 'angular_rate': _BODY, 'unique_id': ('_1',
              'adc_acceleration': _BODY, 'adc_angular_rate_deg': _BODY,
              'magnetic_field_tesla': _BODY}
 _EXAMPLES = """examples:
-  bahrs decode flight.bin                       what is in it
+  bahrs decode flight.bin                       count the messages
   bahrs decode --json flight.bin                the same for a script
-  bahrs decode --format jsonl flight.bin        one JSON object a message, SI units
+  bahrs decode --format jsonl flight.bin        one JSON object per message, SI units
   stty -F /dev/ttyUSB0 115200 raw -echo && bahrs decode --format csv /dev/ttyUSB0 > flight.csv
 """
 
@@ -46,17 +47,18 @@ _EXAMPLES = """examples:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
-        'Decode a stream of bytes from a sensor. Lines of jsonl and csv are in stream order\n'
-        'and SI units (rad, m, m/s, m/s^2, device time in us) unless a name says otherwise.\n'
-        'csv has the device time of each message where it is known, and an empty cell for a\n'
-        'value that is not available; jsonl has values as they were sent, beside their integrity.')
+        'Decode the messages in a stream of bytes from a sensor. jsonl and csv have one line per\n'
+        'message, in stream order and SI units (rad, m, m/s, m/s^2, device time in us) unless a\n'
+        'name says otherwise. csv has the device time of each message if it is known, and an\n'
+        'empty cell for an unavailable value; jsonl has each value as it was sent, with its\n'
+        'integrity.')
     parser.epilog = _EXAMPLES + examples('decode')
-    parser.add_argument('file', help='file of bytes as the device sent them, or a port that stty '
-                                     'has set; - is standard input')
+    parser.add_argument('file', help='file of raw bytes, or a serial port in raw mode (see the '
+                                     'example with stty); - is standard input')
     parser.add_argument('--format', choices=('summary', 'jsonl', 'csv'), default='summary',
-                        help='what to print (default: %(default)s)')
+                        help='output format (default: %(default)s)')
     parser.add_argument('--sensor', choices=tuple(DEVICES), default=DEFAULT,
-                        help='which device sent it (default: %(default)s)')
+                        help='device that sent the bytes (default: %(default)s)')
     for spec in DEVICES.values():
         spec.stream_decoder.add_arguments(parser)
     parser.add_argument('--json', action='store_true',
@@ -81,12 +83,12 @@ def run(options: argparse.Namespace) -> int:
             (_print_json if options.json else _print_summary)(counts, decoder)
     problems = [*_problems(decoder, options.sensor), *faults.notices()]
     for problem in problems:
-        print(f'bahrs decode: {problem}', file=sys.stderr)
+        warn('decode', problem)
     return 1 if problems else 0
 
 
 def _problems(decoder: AnyDecoder, sensor: str) -> Iterator[str]:
-    """Yield why messages are missing."""
+    """Yield the reasons why messages are missing."""
     counters = decoder.pipeline.counters
     if not counters.framing.frames:
         others = ' or '.join(f'--sensor {name}' for name in DEVICES if name != sensor)
@@ -105,9 +107,9 @@ def _refuse_bag(path: Path) -> None:
 
 def record(decoder: AnyDecoder, frame: Frame, message: Message) -> dict[str, object]:
     """Return name, offset and fields of a message as JSON values."""
-    fields = {item.name: _plain(getattr(message, item.name))
+    fields = {item.name: _json_value(getattr(message, item.name))
               for item in dataclasses.fields(message)}
-    fields.update((name, _plain(getattr(message, name))) for name in message.PROPERTIES)
+    fields.update((name, _json_value(getattr(message, name))) for name in message.PROPERTIES)
     return {'message': message.NAME, **decoder.head_values(frame), 'offset': frame.offset,
             **fields}
 
@@ -122,11 +124,11 @@ def _chunks(file: BinaryIO) -> Iterator[bytes]:
             raise
 
 
-def _plain(value: object) -> object:
+def _json_value(value: object) -> object:
     if isinstance(value, Integrity):
         return value.label
     if isinstance(value, tuple):
-        return [_plain(item) for item in value]
+        return [_json_value(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None             # JSON has no number for it; CSV has an empty cell
     return value.hex() if isinstance(value, bytes) else value
@@ -151,12 +153,13 @@ def _print_csv(decoder: AnyDecoder, messages: Iterable[TimedMessage]) -> None:
     for frame, message, time_us in messages:
         fields = record(decoder, frame, message)
         row = {name: fields.pop(name) for name in head}
-        row.update(zip(_columns(type(message)), _flat(fields.values())))
+        row.update(zip(_columns(type(message)), _cells(fields.values())))
         row.update(dict.fromkeys(decoder.unavailable(message)))
         writer.writerow({**row, TIME: time_us} if TIME in columns else row)
 
 
 def _columns(kind: type[Message]) -> list[str]:
+    """Return the column of each cell of a message."""
     names = []
     for item in dataclasses.fields(kind):
         if item.name == 'health':
@@ -168,7 +171,8 @@ def _columns(kind: type[Message]) -> list[str]:
     return [*names, *kind.PROPERTIES]
 
 
-def _flat(values: Iterable[object]) -> Iterator[object]:
+def _cells(values: Iterable[object]) -> Iterator[object]:
+    """Yield one cell for each component of the values of record()."""
     for value in values:
         if isinstance(value, list):
             yield from value
@@ -187,12 +191,11 @@ def _print_json(counts: Counter[str], decoder: AnyDecoder) -> None:
 
 def _print_summary(counts: Counter[str], decoder: AnyDecoder) -> None:
     counters, framing = decoder.pipeline.counters, decoder.pipeline.counters.framing
-    rows = [(name, count) for name, count in counts.most_common()]
+    rows = counts.most_common()
     rows += [(f'unknown type {name}', count)
              for name, count in sorted(framing.unknown_types.items())]
     rows += [('bytes', counters.bytes_received), ('CRC failures', framing.crc_failures),
              ('skipped bytes', framing.skipped_bytes)]
-    for name, count in rows:
-        print(f'{name:<22}{count:>12,}')
+    print_counts(rows)
     for name, value in decoder.detected():
         print(f"{name:<22}{value or '-':>12}")

@@ -25,12 +25,11 @@ from rich.text import Text
 DEFAULT_PORT = '/dev/ttyUSB0'
 LONGEST_LINE = 2000     # characters of a message or command
 _STYLES = {Level.OK: 'green', Level.ADVICE: 'yellow', Level.PROBLEM: 'bold red'}
+EXIT_STATUS = '0 if there is no problem, 1 if there is one; advice does not count'
 _EXAMPLES = """examples:
-  bahrs doctor                                  the only adapter that is plugged in
+  bahrs doctor                                  check the only USB adapter
   bahrs doctor /dev/ttyUSB1 --json              for a script
-  bahrs doctor --ask                            for a device that only answers
-
-exit status: 0 if there is no problem, 1 if there is one; advice is no problem
+  bahrs doctor --ask                            also find a device that only answers
 """
 
 
@@ -38,24 +37,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
         'Check the port, its adapter and the programs that use it, the device and its baud rate,\n'
-        'the set-up of ROS, running drivers and their subscribers. Each result comes with the\n'
-        'command that fixes it. Nothing is written to the device without --ask.')
+        'the set-up of ROS, running drivers and their subscribers. Below each problem stands the\n'
+        'command that fixes it. Nothing is sent to the device without --ask.')
     parser.epilog = _EXAMPLES
     parser.add_argument('port_given', nargs='?', metavar='PORT',
-                        help='path or URL (default: the only adapter there is, or '
+                        help='path or URL (default: the only USB adapter, or '
                              f'{DEFAULT_PORT})')
     parser.add_argument('--port', help='the same as PORT')
     parser.add_argument('--baud-rate', type=int, default=115200, metavar='BAUD',
-                        help='rate to listen at first (default: %(default)s)')
+                        help='rate to try first (default: %(default)s)')
     parser.add_argument('--namespace', metavar='NAME',
-                        help='namespace of the driver, / for the root (default: any)')
+                        help='check only drivers in this namespace, / for the root (default: '
+                             'any)')
     parser.add_argument('--no-listen', action='store_true',
                         help='do not open the port')
     parser.add_argument('--ask', action='store_true',
-                        help='write requests to the port, for a device that only answers; '
-                             'without this option nothing is written')
+                        help='send requests, for a device that only answers')
     parser.add_argument('--json', action='store_true',
-                        help='print one JSON array of check, level, message and command')
+                        help='print one JSON array of objects with check, level, message and '
+                             'command')
     parser.add_argument('--root', type=Path, default=Path('/'), help=argparse.SUPPRESS)
 
 

@@ -5,12 +5,15 @@
 import argparse
 from collections.abc import Callable, Iterator
 import contextlib
+from functools import partial
 import math
 import signal
 import sys
 from typing import Any
 
+from bahrs_driver.cli.cable_options import add_cable_options, FAULTS_HELP
 from bahrs_driver.cli.outputs import add_force, live_output, output_file, same_output
+from bahrs_driver.cli.printing import print_counts, warn
 from bahrs_driver.devices.registry import DEFAULT, DEVICES, examples
 from bahrs_driver.emulator.control import COMMANDS
 from bahrs_driver.emulator.emulation import Emulation
@@ -31,14 +34,14 @@ from bahrs_driver.files.guard import reason
 from bahrs_driver.process.argument_types import argument_type, bounded_float, open_input
 from bahrs_driver.process.printable import printable
 from bahrs_driver.process.shutdown_event import handled_signals
-from bahrs_driver.virtual_serial.cable import adapter_mode, Cable
-from bahrs_driver.virtual_serial.faults import Faults, NAMES as FAULTS, parse_fault
+from bahrs_driver.virtual_serial.cable import AT_ONCE, Cable
+from bahrs_driver.virtual_serial.faults import Faults
 
 _EXAMPLES = """examples:
-  bahrs emulate --link /tmp/bahrs                     an aircraft in flight, on a port
+  bahrs emulate --link /tmp/bahrs                     simulate a flight on a port
   ros2 run bahrs_driver driver_node --ros-args -p port:=/tmp/bahrs
   bahrs emulate --latency-timer 16 --fault bit_flip=0.0001 --truth truth.jsonl
-  bahrs emulate --output flight.bin --duration 1300   as fast as it goes, into a file
+  bahrs emulate --output flight.bin --duration 1300   as fast as possible, to a file
 """
 
 
@@ -48,57 +51,51 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'Create a serial port (a pseudo-terminal), print its path, and simulate a device in\n'
         'motion on it. The same seed and options give the same bytes.')
     parser.epilog = _epilog()
-    for add in (_add_run, _add_motion,
-                *(spec.emulation().add_arguments for spec in DEVICES.values()), _add_cable):
-        add(parser)
+    _add_general_options(parser)
+    _add_motion_options(parser)
+    for spec in DEVICES.values():
+        spec.emulation().add_arguments(parser)
+    add_cable_options(parser, AT_ONCE, '%(default)s')
 
 
-def _add_run(parser: argparse.ArgumentParser) -> None:
+def _add_general_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--sensor', choices=tuple(DEVICES), default=DEFAULT,
-                        help='which device to simulate (default: %(default)s)')
+                        help='device to simulate (default: %(default)s)')
     parser.add_argument('--link', metavar='PATH', help='create a symbolic link to the port')
     parser.add_argument('--wait', action='store_true',
-                        help='stay switched off until a program opens the port')
+                        help='switch the device on when a program opens the port')
     parser.add_argument('--output', metavar='FILE',
-                        help='write the bytes into a file instead, as fast as possible; - is '
-                             'standard output')
+                        help='write the bytes to a file, as fast as possible, instead of '
+                             'creating a port; - is standard output')
     parser.add_argument('--duration', type=bounded_float('a duration'), default=math.inf,
                         metavar='SECONDS', help='end after this time (default: never)')
+    parser.add_argument('--baud-rate', type=bounded_float('a baud rate', 1200, 4e6),
+                        default=115200, metavar='BAUD',
+                        help='speed of the serial line, always 8N1 (default: %(default)s)')
     parser.add_argument('--seed', type=int, default=1, metavar='NUMBER',
-                        help='seed of everything random (default: %(default)s)')
+                        help='seed of all random numbers (default: %(default)s)')
     parser.add_argument('--truth', metavar='FILE',
                         help='write ground truth, one JSON line per frame; - is standard output')
     add_force(parser)
     parser.add_argument('--scenario', metavar='FILE',
-                        help='commands to execute, each with its seconds since the start: '
+                        help='file of commands, each after its time in seconds since the start: '
                              '"12.5 integrity roll risk"')
 
 
-def _add_motion(parser: argparse.ArgumentParser) -> None:
+def _add_motion_options(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group('motion and its measurement')
     group.add_argument('--motion', choices=tuple(MOTIONS), default='flight',
-                       help='how the vehicle moves (default: %(default)s)')
+                       help='motion of the vehicle (default: %(default)s)')
     group.add_argument('--noise', type=argument_type(parse_deviation), action='append', default=[],
                        metavar='NAME=STDDEV',
-                       help='white noise in SI units; repeat for each quantity (default: '
+                       help='white noise in SI units; repeat the option for each quantity '
+                            '(default: '
                             + ', '.join(f'{name}={value:g}'
                                         for name, value in DEVIATIONS.items()) + ')')
     group.add_argument('--bias', type=argument_type(parse_bias), action='append', default=[],
                        metavar='NAME=VALUE[,VALUE,VALUE]',
-                       help='constant error in SI units, for each component (default: 0)')
-
-
-def _add_cable(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group('cable')
-    group.add_argument('--baud-rate', type=bounded_float('a baud rate', 1200, 4e6), default=115200,
-                       metavar='BAUD', help='of the line, always 8N1 (default: %(default)s)')
-    group.add_argument('--latency-timer', type=argument_type(adapter_mode), default='none',
-                       metavar='MS', help='how long the adapter holds bytes back, 1 to 255 ms; '
-                       '"packets" for an adapter that delivers eight full packets at a time, '
-                       '"none" for no delay (default: %(default)s)')
-    group.add_argument('--fault', type=argument_type(parse_fault), action='append', default=[],
-                       metavar='NAME=RATE',
-                       help='damage the stream, see below; repeat the option for each kind')
+                       help='constant error of each component in SI units; repeat the option for '
+                            'each quantity (default: 0)')
 
 
 def run(options: argparse.Namespace) -> int:
@@ -133,9 +130,9 @@ def _reject_options_of_other_devices(options: argparse.Namespace) -> None:
     """Raise CommandError for an option of another device, which would have no effect."""
     for name, spec in DEVICES.items():
         if name != options.sensor:
-            scratch = argparse.ArgumentParser(add_help=False)
-            spec.emulation().add_arguments(scratch)
-            for dest, default in vars(scratch.parse_args([])).items():
+            parser = argparse.ArgumentParser(add_help=False)
+            spec.emulation().add_arguments(parser)
+            for dest, default in vars(parser.parse_args([])).items():
                 if getattr(options, dest) != default:
                     raise CommandError(f"--{dest.replace('_', '-')} is an option of a {name}, "
                                        f'not of a {options.sensor}')
@@ -151,7 +148,8 @@ def _run_to_file(options: argparse.Namespace, session: Session) -> None:
 
 
 def _run_on_port(options: argparse.Namespace, make: Callable[[HostTime], Session]) -> None:
-    paced = PacedRun(options.link, ControlInput(0 if sys.stdin else None), _announce, _complain)
+    paced = PacedRun(options.link, ControlInput(0 if sys.stdin else None),
+                     partial(print, flush=True), partial(warn, 'emulate'))
     with _call_on_signals(paced.end), paced:
         session = make(paced.start(options.wait))
         paced.run(session, options.duration)
@@ -191,30 +189,18 @@ def _scenario(name: str | None) -> list[TimedCommand]:
         raise CommandError(f'{name}: {error}') from error
 
 
-def _report(emulation: Emulation, lost: int = 0) -> None:
+def _report(emulation: Emulation, bytes_not_read: int = 0) -> None:
     """Print the counts of frames and faults on standard error."""
-    rows = [(name, count) for counter in (
-        emulation.counts, emulation.wire_counts, emulation.faults.counts)
-        for name, count in counter.items()]
-    if lost:
-        rows.append(('bytes not read', lost))
-    for name, count in rows:
-        print(f'{name:<22}{count:>12,}', file=sys.stderr)
-
-
-def _announce(name: str) -> None:
-    print(name, flush=True)
-
-
-def _complain(sentence: str) -> None:
-    print(f'bahrs emulate: {sentence}', file=sys.stderr, flush=True)
+    counts = [*emulation.counts.items(), *emulation.wire_counts.items(),
+              *emulation.faults.counts.items()]
+    if bytes_not_read:
+        counts.append(('bytes not read', bytes_not_read))
+    print_counts(counts, sys.stderr)
 
 
 def _epilog() -> str:
-    lines = [_EXAMPLES + examples('emulate'),
-             'faults, with a rate from 0 to 1 for each byte or frame:']
-    lines += [f'  {name:<28}{text}' for name, text in FAULTS.items()]
-    lines += ['', 'commands, one per line on standard input or in a scenario:']
+    lines = [_EXAMPLES + examples('emulate'), FAULTS_HELP, '',
+             'commands, one per line on standard input or in a scenario:']
     lines += [f'  {name + " " + command.arguments:<28}{command.summary}'
               for name, command in COMMANDS.items()]
     return '\n'.join(lines)

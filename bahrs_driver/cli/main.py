@@ -10,6 +10,7 @@ import sys
 from typing import NoReturn
 
 from bahrs_driver import __version__
+from bahrs_driver.cli.printing import warn
 from bahrs_driver.cli.signals import interrupt_on_signals
 from bahrs_driver.errors import CaptureError, CommandError, RosStartError, WriteError
 from bahrs_driver.process.exit_timer import exit_after
@@ -23,13 +24,13 @@ from bahrs_driver.settings.command_line import split_arguments
 # work without it.
 VERBS = {
     'convert': 'regenerate all topics from raw bytes',
-    'decode': 'decode a recorded stream of bytes',
+    'decode': 'decode the messages in a stream of bytes',
     'doctor': 'diagnose missing data and print the fix',
     'emulate': 'simulate a device on a pseudo-terminal or into a file',
-    'monitor': 'show the topics of the driver, live',
-    'nvm': 'read the non-volatile memory of a device, or show an image of it',
+    'monitor': 'show the topics of the driver live',
+    'nvm': 'read the non-volatile memory of a device',
     'record': 'record the topics of the driver into a bag',
-    'replay': 'play a recorded stream of bytes on a serial port',
+    'replay': 'play a recorded stream of bytes on a pseudo-terminal',
     'report': 'write an HTML page about a recording',
 }
 
@@ -38,15 +39,14 @@ ROS_NODES = ('doctor', 'monitor', 'record')     # verbs that pass --ros-args to 
 MAX_ERROR_LENGTH = 2000     # characters; names of files may be long
 CLEAN_UP_TIME = 1.0         # s for the nodes of verbs at the end of the process
 
-_STATUS = 'exit status'
-_EXIT_STATUS = (f'{_STATUS}: 0 on success, 1 if the verb fails or finds a problem, 2 for a wrong\n'
-                'command line, 130 at Ctrl-C')
+_EXIT_STATUS = ('0 on success, 1 if the verb fails or finds a problem, 2 for a wrong command\n'
+                'line, 130 at Ctrl-C')
 _EPILOG = f"""examples:
   bahrs doctor                      diagnose missing data
-  bahrs monitor                     show the topics of the driver, live
-  bahrs decode --help               each verb has examples
+  bahrs monitor                     show the topics of the driver live
+  bahrs decode --help               show the options and examples of a verb
 
-{_EXIT_STATUS}
+exit status: {_EXIT_STATUS}
 """
 
 
@@ -80,7 +80,7 @@ def _status(verb: str, words: list[str], for_ros: list[str]) -> int:
         interrupt_on_signals()
         return _run(verb, words, for_ros)
     except (CaptureError, CommandError, RosStartError, WriteError) as error:
-        print(f'bahrs {verb}: {printable(error, MAX_ERROR_LENGTH)}', file=sys.stderr)
+        warn(verb, printable(error, MAX_ERROR_LENGTH))
         return 1
     except KeyboardInterrupt:
         return 130
@@ -89,8 +89,7 @@ def _status(verb: str, words: list[str], for_ros: list[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:
-        reason = printable(error.strerror or error)
-        print(f'bahrs {verb}: cannot continue: {reason}', file=sys.stderr)
+        warn(verb, f'cannot continue: {printable(error.strerror or error)}')
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
 
@@ -99,8 +98,7 @@ def _run(verb: str, words: list[str], for_ros: list[str]) -> int:
     options = _parser(verb).parse_args(words)
     options.ros_arguments = for_ros
     if len(for_ros) > 1 and verb not in ROS_NODES:
-        print(f'bahrs {verb}: {printable(" ".join(for_ros))} has no effect: this verb is not a '
-              'ROS node', file=sys.stderr)
+        warn(verb, f'{printable(" ".join(for_ros))} has no effect: this verb is not a ROS node')
     status: int = options.run(options)
     sys.stdout.flush()
     return status
@@ -118,8 +116,8 @@ def _parser(chosen: str) -> argparse.ArgumentParser:
         if verb == chosen:
             module = _module(verb)
             module.add_arguments(subparser)
-            if _STATUS not in (subparser.epilog or ''):
-                subparser.epilog = f"{(subparser.epilog or '').rstrip()}\n\n{_EXIT_STATUS}"
+            exit_status = getattr(module, 'EXIT_STATUS', _EXIT_STATUS)
+            subparser.epilog = f'{(subparser.epilog or "").rstrip()}\n\nexit status: {exit_status}'
             subparser.set_defaults(run=module.run)
     return parser
 

@@ -24,11 +24,12 @@ from rich.live import Live
 REFRESH = 0.25              # s
 FIRST_DATA = 5.0            # s after which data should have arrived
 
+EXIT_STATUS = '0, or 1 if no driver was found (with --require-data: no data)'
 _EXAMPLES = """examples:
-  bahrs monitor                           a live page, until Ctrl-C
-  bahrs monitor --duration 15             then print a table
-  bahrs monitor --duration 5 --json       for a script
-  bahrs monitor --node /left/bahrs_driver  one of several drivers
+  bahrs monitor                             a live page, until Ctrl-C
+  bahrs monitor --duration 15               then print a table
+  bahrs monitor --duration 5 --json         for a script
+  bahrs monitor --node /left/bahrs_driver   one of several drivers
 """
 
 
@@ -36,11 +37,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
         'Show attitude, heading, height, rates, integrity and diagnostics of the driver on a\n'
-        'live page, 80x24 characters or more. Roll to the right and pitch upward are positive,\n'
-        'whichever axes are published. At the end, or if the output is not a terminal, the last\n'
-        'state is printed as a table.')
-    parser.epilog = (f'{_EXAMPLES}\nexit status: 0, or 1 if no driver was found (with '
-                     '--require-data: no data)\n')
+        'live page of 80x24 characters or more. Roll to the right and pitch upward are positive\n'
+        'in every frame_convention. The last state is printed as a table at the end, or if the\n'
+        'output is not a terminal.')
+    parser.epilog = _EXAMPLES
     parser.add_argument('--duration', type=float, metavar='SECONDS',
                         help='end after this time (default: at Ctrl-C)')
     add_node_options(parser)

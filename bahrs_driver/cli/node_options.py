@@ -17,10 +17,10 @@ from rclpy.validate_node_name import validate_node_name
 def add_node_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that select a driver."""
     parser.add_argument('--node', default='', metavar='NAME',
-                        help='name of the driver, such as /left/bahrs_driver, or front in any '
-                             'namespace (default: the only driver that runs)')
+                        help='driver node, such as /left/bahrs_driver; a name without / is '
+                             'found in any namespace (default: the only running driver)')
     parser.add_argument('--namespace', metavar='NAME',
-                        help='namespace of the driver, / for the root (default: any)')
+                        help='namespace of the driver node, / for the root (default: any)')
 
 
 def selected_node(options: argparse.Namespace) -> Selection:

@@ -5,6 +5,7 @@
 import argparse
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 import hashlib
 import json
 import math
@@ -13,6 +14,7 @@ import sys
 from bahrs_driver.cli.nvm_device import NvmDevice
 from bahrs_driver.cli.nvm_image import print_json, print_text, read_image
 from bahrs_driver.cli.outputs import add_force, is_standard_output, output_file
+from bahrs_driver.cli.printing import warn
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.cli.signals import shutdown_on_signal
 from bahrs_driver.devices.nvm_reader import NvmReader, OnProgress
@@ -113,9 +115,9 @@ def _show(options: argparse.Namespace) -> int:
     (print_json if options.json else print_text)(blocks)
     damaged = ', '.join(found.block.NAME for found in blocks if found.intact is False)
     if complaint := memory.complain(blocks):
-        _print_error(complaint)
+        warn('nvm', complaint)
     if damaged:
-        _print_error(f'damaged: {damaged}')
+        warn('nvm', f'damaged: {damaged}')
     return int(bool(damaged))
 
 
@@ -124,7 +126,7 @@ def _read_pages(options: argparse.Namespace, numbers: Sequence[int]) -> bytes:
         link = Link(options.port, options.baud_rate)
     except ValueError as error:
         raise CommandError(f'{options.port} cannot be opened: {error}') from error
-    device = NvmDevice(DEVICES[options.sensor], link, _print_error)
+    device = NvmDevice(DEVICES[options.sensor], link, partial(warn, 'nvm'))
     settings = NvmSettings(enter_timeout=options.enter_timeout,
                            service_frames=options.service_frames)
     with device.running():
@@ -163,7 +165,3 @@ def _confirm() -> None:
           'Continue? [y/N] ', end='', file=sys.stderr, flush=True)
     if sys.stdin.readline().strip().lower() not in ('y', 'yes'):
         raise CommandError('cancelled: the memory was not read')
-
-
-def _print_error(sentence: str) -> None:
-    print(f'bahrs nvm: {sentence}', file=sys.stderr)

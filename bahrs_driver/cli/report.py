@@ -11,6 +11,7 @@ from pathlib import Path
 
 from bahrs_driver.bag.capture import Capture
 from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.cli.capture_options import add_topic_option
 from bahrs_driver.cli.outputs import add_force, is_standard_output, output_file
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.devices.registry import DEVICES
@@ -23,32 +24,31 @@ from bahrs_driver.report.gather import gather, Recording
 from bahrs_driver.report.page import page
 from rich.markup import escape
 
+EXIT_STATUS = '0, or 1 if the recording has no frame'
 _EXAMPLES = """examples:
-  bahrs report flight.bin                       writes flight.html beside it
-  bahrs report flight_bag -o report.html        a bag with the topic raw: clocks, too
-  bahrs report flight.bin --json                the findings, for a script
-
-exit status: 0, or 1 if the recording has no frame
+  bahrs report flight.bin                       write flight.html beside it
+  bahrs report flight_bag -o report.html        a bag also shows the clocks
+  bahrs report flight.bin --json                findings for a script
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the verb and its options."""
     parser.description = (
-        'Write one self-contained page of HTML about a recording: integrity,\n'
-        'motion, clock, noise at rest, and findings in sentences.')
+        'Write a self-contained HTML page about a recording: integrity, motion, clock, noise at\n'
+        'rest, and findings in sentences.')
     parser.epilog = _EXAMPLES
-    parser.add_argument('input', help='file of bytes from the device, or a bag with the topic '
-                                      'raw')
+    parser.add_argument('input', help='bag with the topic raw, or file of raw bytes')
     parser.add_argument('-o', '--output', metavar='FILE',
-                        help='page to write; - is standard output (default: beside the '
-                             'recording, with .html)')
+                        help='HTML file to create; - is standard output (default: the name of '
+                             'the recording with .html)')
     add_force(parser)
-    parser.add_argument('--topic', help="the bag's topic of raw bytes, if there are several")
+    add_topic_option(parser)
     for spec in _reported():
         spec.stream_decoder.add_arguments(parser)
     parser.add_argument('--json', action='store_true',
-                        help='print counts and findings as one JSON object, and write no page')
+                        help='print counts and findings as one JSON object instead of writing a '
+                             'page')
 
 
 def run(options: argparse.Namespace) -> int:

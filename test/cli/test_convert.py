@@ -193,7 +193,7 @@ def test_namespace(byte_file, tmp_path):
     (['FILE', 'OUT', '-p', 'frame_convention:=nwu'], 1, "must be 'enu' or 'ned'"),
     (['FILE', 'OUT', '-p', 'port:=[a'], 1, "'[a' is no value of YAML"),
     (['FILE', 'OUT', '--namespace', 'a b'], 1, "'a b' is not a namespace"),
-    (['FILE', 'OUT', '--start', 'noon'], 2, "'noon' is no time"),
+    (['FILE', 'OUT', '--start', 'noon'], 2, "'noon' is not a time"),
     (['FILE', 'OUT', '--start', '-5'], 2, 'before 1970'),
 ])
 def test_what_is_refused(byte_file, tmp_path, words, status, sentence):

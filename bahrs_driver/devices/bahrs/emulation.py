@@ -39,53 +39,60 @@ def make_device(options: argparse.Namespace, motion: Motion, errors: Measurement
 def _add_device(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group('device: bahrs')
     group.add_argument('--protocol-version', type=int, choices=VERSIONS, default=3,
-                       help='version of its protocol (default: %(default)s)')
+                       help='protocol version of the device (default: %(default)s)')
     group.add_argument('--crc', choices=('word', 'byte'), default='word',
-                       help='how the CRC takes the bytes: as 32-bit words, as real devices do, '
-                            'or as single bytes, as the document says (default: %(default)s)')
+                       help='order in which the CRC takes the bytes: 32-bit words, as real '
+                            'devices do it, or single bytes, as the protocol document says '
+                            '(default: %(default)s)')
     group.add_argument('--time-label', choices=('next', 'same'), default='next',
-                       help='whether time messages name the sample after the one that they are '
-                            'about, as real devices do, or that one (default: %(default)s)')
+                       help='sample that a time message names: the one after the sample whose '
+                            'time it holds, as real devices send it, or that sample itself '
+                            '(default: %(default)s)')
     group.add_argument('--start-up', choices=tuple(START_UPS), default='prompt',
-                       help='first sample 0.6 s after power-on, or 2.6 s and then 2.7 s of '
-                            'silence, as in a recording (default: %(default)s)')
+                       help='prompt: first sample 0.6 s after power-on; recorded: first sample '
+                            'after 2.6 s, then 2.7 s of silence, as a real device did it '
+                            '(default: %(default)s)')
     group.add_argument('--drift-ppm', type=bounded_float('a drift', -1e5, 1e5), default=0.0,
-                       metavar='PPM', help='how much too fast its clock is (default: 0)')
+                       metavar='PPM',
+                       help='drift of the device clock, positive if it is fast (default: 0)')
     group.add_argument('--wander-ppm', type=bounded_float('a wander', 0, 1e3), default=0.0,
                        metavar='PPM', help='random walk of the drift, per square root of a '
                                            'second (default: 0)')
     group.add_argument('--clock-start', type=argument_type(_device_time), default=0, metavar='US',
                        help='device time at power-on, in microseconds (default: 0)')
     group.add_argument('--sync-pulse-rate', type=bounded_float('a rate', 0, 1000), default=0.0,
-                       metavar='HZ', help='pulses at whole multiples of the period in UNIX time; '
-                       'the device ignores a pulse within 90 ms of the previous one (default: 0, '
-                       'none)')
+                       metavar='HZ',
+                       help='rate of sync pulses, at whole multiples of the period in UNIX '
+                            'time; the device ignores a pulse within 90 ms of the previous one '
+                            '(default: 0, none)')
     group.add_argument('--debug-rate', type=bounded_float('a rate', 0, 200), default=0.0,
                        metavar='HZ',
-                       help='of the undocumented messages 0xC0 and 0xC1 (default: 0, none)')
+                       help='rate of the undocumented messages 0xC0 and 0xC1 (default: 0, '
+                            'none)')
     group.add_argument('--output-delay', type=bounded_float('a delay', 0, 1000), default=0.0,
-                       metavar='MS', help='from a sample to its first byte, in milliseconds '
-                                          '(default: 0)')
+                       metavar='MS', help='delay from a sample to its first byte (default: 0)')
 
 
 def _add_service(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group('diagnostics mode: bahrs')
     group.add_argument('--nvm', type=argument_type(_image), metavar='FILE',
-                       help=f'image of the memory, {SIZE:,} bytes (default: an invented one)')
+                       help=f'image of the memory, {SIZE:,} bytes (default: an example)')
     group.add_argument('--nvm-window', choices=('always', 'power-on'), default='always',
-                       help='when the device lets a host in: always, or in the first 0.5 s after '
-                            'power-on, as known firmware does (default: %(default)s)')
+                       help='when the device accepts a request to enter: always, or only within '
+                            '0.5 s of power-on, as known firmware does (default: %(default)s)')
     group.add_argument('--nvm-error-pages', type=argument_type(_pages), default=frozenset(),
                        metavar='PAGE[,PAGE...]', help='pages that cannot be read (default: none)')
     group.add_argument('--nvm-timeout', type=bounded_float('a time-out'), default=INACTIVITY,
-                       metavar='SECONDS', help='after how long without a request the device '
-                       'leaves by itself (default: %(default)g)')
+                       metavar='SECONDS', help='time without a request after which the device '
+                       'leaves the mode (default: %(default)g)')
     group.add_argument('--service-crc', choices=('crc32', 'mpeg2'), default='crc32',
-                       help="CRC of service frames: CRC-32, as the maker's tool has it, or "
-                            'CRC-32/MPEG-2, as the document says (default: %(default)s)')
+                       help="CRC of service frames: CRC-32, as the manufacturer's tool uses it, "
+                            'or CRC-32/MPEG-2, as the protocol document says (default: '
+                            '%(default)s)')
     group.add_argument('--service-padding', choices=('no', 'yes'), default='no',
-                       help="whether 0xF0 and 0xF1 must be padded: no, as the maker's tool sends "
-                            'them, or yes, as the document says (default: %(default)s)')
+                       help="whether 0xF0 and 0xF1 must be padded: no, as the manufacturer's "
+                            'tool sends them, or yes, as the protocol document says (default: '
+                            '%(default)s)')
 
 
 def _service(options: argparse.Namespace) -> ServiceBehavior:

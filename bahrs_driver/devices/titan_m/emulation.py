@@ -24,27 +24,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options that only this device has."""
     group = parser.add_argument_group('device: titan_m')
     group.add_argument('--start', type=argument_type(_start), default=START, metavar='LAT,LON',
-                       help='where the motion begins, in degrees (default: {:g},{:g})'.format(
+                       help='start of the motion, in degrees (default: {:g},{:g})'.format(
                            *START))
     group.add_argument('--payload-order', choices=('little', 'big'), default='little',
                        help='byte order of payloads (default: %(default)s)')
     group.add_argument('--checksum-order', choices=('big', 'little'), default='big',
                        help='byte order of the checksum of answers (default: %(default)s)')
     group.add_argument('--request-order', choices=('auto', 'big', 'little'), default='auto',
-                       help='byte order that the checksum of a request must have; auto is either '
-                            '(default: %(default)s)')
+                       help='byte order that the device requires in the checksum of a request; '
+                            'auto accepts both (default: %(default)s)')
     group.add_argument('--sensors-len', choices=('0x3A', '0x2E'), default='0x3A',
-                       help='LEN of the sensor answer: of its payload, or as in the document '
-                            '(default: %(default)s)')
+                       help='LEN of the sensor answer: the length of its payload, or the value '
+                            'in the protocol document (default: %(default)s)')
     group.add_argument('--answer-id', choices=('same', 'zero'), default='same',
-                       help='message id of an answer: that of its request, or 0 '
+                       help='message id of an answer: the same as in its request, or zero '
                             '(default: %(default)s)')
     group.add_argument('--answer-delay', type=bounded_float('a delay', 0, 10_000), default=0.5,
-                       metavar='MS', help='from a request to its answer (default: %(default)s)')
+                       metavar='MS', help='delay from a request to its answer (default: '
+                                          '%(default)s)')
     group.add_argument('--late-answers', type=bounded_float('a share', 0, 1), default=0.0,
-                       metavar='SHARE', help='of answers that take 0.1 s (default: 0)')
+                       metavar='SHARE', help='fraction of answers that take 0.1 s (default: 0)')
     group.add_argument('--first-fix', type=bounded_float('a time', 0, 1e6), default=0.0,
-                       metavar='SECONDS', help='from power-on to the first GPS fix (default: 0)')
+                       metavar='SECONDS', help='time from power-on to the first GPS fix (default: '
+                                               '0)')
     group.add_argument('--gps-start', type=argument_type(_gps_time), default=0, metavar='MS',
                        help='GPS time of week at the start (default: 0)')
 
