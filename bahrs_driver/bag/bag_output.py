@@ -18,7 +18,8 @@ from bahrs_driver.bag.metadata import as_yaml, Span, write_metadata
 from bahrs_driver.bag.sealed_file import SealedFile
 from bahrs_driver.bag.topics import definition, Topic
 from bahrs_driver.errors import WriteError
-from bahrs_driver.files.guard import already_exists, guard, refuse_new_device
+from bahrs_driver.files.guard import guard
+from bahrs_driver.files.new_directory import make_directory
 from mcap.data_stream import RecordBuilder
 from mcap.records import DataEnd, Footer
 from mcap.writer import CompressionType, MCAP0_MAGIC, Writer
@@ -171,16 +172,6 @@ def _file_name(folder_name: str) -> str:
     """Return a name for files, of printable characters: metadata.yaml is text."""
     return ''.join(character if character.isprintable() else '_'
                    for character in folder_name) or 'bag'
-
-
-def make_directory(folder: Path) -> None:
-    """Make a directory with its parents; WriteError if it exists or cannot be made."""
-    with guard(folder, 'make'):
-        refuse_new_device(folder)
-        try:
-            folder.mkdir(parents=True)
-        except FileExistsError as error:
-            raise already_exists(folder) from error
 
 
 def _end() -> bytes:

@@ -14,7 +14,7 @@ import os
 
 from bahrs_driver.errors import WriteError
 from bahrs_driver.files.guard import (
-    already_exists, check_target, guard, named_target, PathLike, split_target, temporary_name)
+    check_target, guard, guard_new, named_target, PathLike, split_target, temporary_name)
 from bahrs_driver.process.printable import printable
 
 _DIRECTORY = os.O_PATH | os.O_DIRECTORY | os.O_CLOEXEC
@@ -27,16 +27,16 @@ class AtomicFile:
 
     def __init__(self, directory: int, name: str, shown: PathLike, replace: bool) -> None:
         """
-        Create the temporary file for a name in an open directory, whose descriptor it closes.
+        Create the temporary file; WriteError if the target cannot be written.
 
-        shown is the target as messages name it. With replace, the target may be a regular file.
-        WriteError if it cannot be written.
+        directory is the descriptor of the target's directory, which close() closes. name is the
+        target's name in it, shown its path in messages. With replace, it may be a regular file.
         """
         self._directory = directory
         self._name = name
         self._shown = shown
         self._replace = replace
-        self._temporary: str | None = None
+        self._temporary = ''                # its name, while it exists
         try:
             check_target(name, shown, replace, directory)
             with guard(shown):
@@ -54,30 +54,28 @@ class AtomicFile:
 
     def commit(self) -> None:
         """Rename the complete file to its target; WriteError if that has become impossible."""
-        with guard(self._shown):
+        with guard_new(self._shown), contextlib.ExitStack() as on_failure:
             self._file.flush()
             os.fsync(self._file.fileno())
             self._file.close()
-        # Renaming would remove a device or a link that another program has created meanwhile.
-        check_target(self._name, self._shown, self._replace, self._directory)
-        if self._replace:
-            self._rename()
-            return
-        self._claim()
-        try:
-            self._rename()
-        except BaseException:
-            os.unlink(self._name, dir_fd=self._directory)
-            raise
+            # Renaming would remove a device or a link that another program has created meanwhile.
+            check_target(self._name, self._shown, self._replace, self._directory)
+            if not self._replace:           # unlike renaming, creating fails if the target exists
+                os.close(self._open_new(self._name))
+                on_failure.callback(os.unlink, self._name, dir_fd=self._directory)
+            os.replace(self._temporary, self._name,
+                       src_dir_fd=self._directory, dst_dir_fd=self._directory)
+            on_failure.pop_all()
+        self._temporary = ''
 
     def close(self) -> None:
         """Close the file, and remove it unless it was committed."""
         with contextlib.suppress(OSError):      # no room for its last bytes
             self._file.close()
-        if self._temporary is not None:
+        if self._temporary:
             with contextlib.suppress(OSError):
                 os.unlink(self._temporary, dir_fd=self._directory)
-            self._temporary = None
+            self._temporary = ''
         if self._directory >= 0:
             os.close(self._directory)
             self._directory = -1
@@ -92,21 +90,6 @@ class AtomicFile:
 
     def _open_new(self, name: str) -> int:
         return os.open(name, _NEW, _MODE, dir_fd=self._directory)
-
-    def _claim(self) -> None:
-        """Create an empty target: unlike renaming, that fails if there is one."""
-        with guard(self._shown):
-            try:
-                os.close(self._open_new(self._name))
-            except FileExistsError as error:
-                raise already_exists(self._shown) from error
-
-    def _rename(self) -> None:
-        with guard(self._shown):
-            assert self._temporary is not None, 'committed twice'
-            os.replace(self._temporary, self._name,
-                       src_dir_fd=self._directory, dst_dir_fd=self._directory)
-            self._temporary = None
 
 
 def atomic_file(path: PathLike, replace: bool = False) -> AtomicFile:
@@ -150,9 +133,9 @@ def _open_beneath(top: str, inside: str) -> int:
     """Open a directory beneath another; OSError if a part of the path has become a link."""
     directory = os.open(top, _DIRECTORY)
     for part in inside.split(os.sep):
-        above = directory
+        parent = directory
         try:
-            directory = os.open(part, _DIRECTORY | os.O_NOFOLLOW, dir_fd=above)
+            directory = os.open(part, _DIRECTORY | os.O_NOFOLLOW, dir_fd=parent)
         finally:
-            os.close(above)
+            os.close(parent)
     return directory

@@ -45,6 +45,16 @@ def guard(target: PathLike, verb: str = 'write') -> Iterator[None]:
         raise WriteError(sentence(error, target, verb)) from error
 
 
+@contextlib.contextmanager
+def guard_new(target: PathLike, verb: str = 'write') -> Iterator[None]:
+    """Do what guard does for a block that creates a target; TargetExists if it exists."""
+    with guard(target, verb):
+        try:
+            yield
+        except FileExistsError as error:
+            raise already_exists(target) from error
+
+
 def check_target(name: str, shown: PathLike, replace: bool, directory: int | None = None) -> None:
     """
     Raise WriteError unless a target is absent or, with replace, a regular file.

@@ -6,7 +6,7 @@ import os
 import stat
 
 from bahrs_driver.errors import WriteError
-from bahrs_driver.files.guard import already_exists, check_target, guard, named_target, PathLike
+from bahrs_driver.files.guard import check_target, guard, guard_new, named_target, PathLike
 from bahrs_driver.process.printable import printable
 
 # Opening must not block if a FIFO has just replaced the file.
@@ -22,11 +22,8 @@ class LiveFile:
         directory, name = named_target(path)
         target = os.path.join(directory, name)
         check_target(target, path, replace)
-        with guard(path):
-            try:
-                descriptor = os.open(target, _FLAGS | (0 if replace else os.O_EXCL), _MODE)
-            except FileExistsError as error:
-                raise already_exists(path) from error
+        with guard_new(path):
+            descriptor = os.open(target, _FLAGS | (0 if replace else os.O_EXCL), _MODE)
             self._file = os.fdopen(descriptor, 'w', encoding='utf-8')
             if not stat.S_ISREG(os.fstat(descriptor).st_mode):
                 self._file.close()

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Directories that appear complete or not at all."""
+"""Create directories that must not exist yet."""
 
 from collections.abc import Iterator
 import contextlib
@@ -9,40 +9,54 @@ from pathlib import Path
 import shutil
 
 from bahrs_driver.files.guard import (
-    already_exists, guard, PathLike, split_target, temporary_name,
-)
+    already_exists, guard_new, PathLike, refuse_new_device, split_target, temporary_name)
+
+
+def make_directory(target: Path) -> None:
+    """Make a directory with its parents; WriteError if it exists or cannot be made."""
+    with guard_new(target, 'make'):
+        refuse_new_device(target)
+        target.mkdir(parents=True)
 
 
 @contextlib.contextmanager
 def new_directory(target: PathLike) -> Iterator[Path]:
     """
-    Yield the path where the block must create the directory, and then rename that to the target.
+    Make a directory that appears complete or not at all.
 
-    If the block raises, nothing remains. WriteError if the target exists, before or after the
-    block, or cannot be made. Parent directories are created when missing.
+    The block must create a directory at the yielded path, which is in a hidden directory beside
+    the target. After the block it is renamed to the target; if the block raises, it is removed.
+    Missing parents of the target are made. WriteError if the target exists, before or after the
+    block, or cannot be made.
     """
     parent, name = split_target(str(target).rstrip(os.sep) or str(target))
-    scratch = Path(parent, temporary_name())
+    hidden = Path(parent, temporary_name())
     with contextlib.ExitStack() as on_failure:
-        with guard(target, 'make'):
-            with contextlib.suppress(FileNotFoundError):
-                os.lstat(target)
-                raise already_exists(target)
+        with guard_new(target, 'make'):
+            _refuse_existing(target)
             for missing in _missing(parent):
                 os.mkdir(missing)
                 on_failure.callback(_remove_empty, missing)
-            scratch.mkdir()
+            hidden.mkdir()
         try:
-            yield scratch / name
-            with guard(target, 'make'):
-                _move(scratch / name, target)
+            yield hidden / name
+            with guard_new(target, 'make'):
+                os.mkdir(target)        # fails if it exists, unlike renaming to an empty directory
+                on_failure.callback(_remove_empty, target)
+                os.rename(hidden / name, target)
         finally:
-            shutil.rmtree(scratch, ignore_errors=True)
+            shutil.rmtree(hidden, ignore_errors=True)
         on_failure.pop_all()
 
 
+def _refuse_existing(target: PathLike) -> None:
+    with contextlib.suppress(FileNotFoundError):
+        os.lstat(target)                # unlike lexists(), it raises for an impossible name
+        raise already_exists(target)
+
+
 def _missing(parent: str) -> list[str]:
-    """Return the directories on the way to a directory, itself included, that do not exist."""
+    """Return a directory and those above it, as far as they do not exist, the topmost first."""
     missing = []
     while parent and not os.path.lexists(parent):
         missing.append(parent)
@@ -50,19 +64,6 @@ def _missing(parent: str) -> list[str]:
     return missing[::-1]
 
 
-def _remove_empty(directory: str) -> None:
-    with contextlib.suppress(OSError):      # another program has written into it
+def _remove_empty(directory: PathLike) -> None:
+    with contextlib.suppress(OSError):
         os.rmdir(directory)
-
-
-def _move(made: Path, target: PathLike) -> None:
-    # Unlike renaming, which replaces an empty directory, creating fails if there is one.
-    try:
-        os.mkdir(target)
-    except FileExistsError as error:
-        raise already_exists(target) from error
-    try:
-        os.rename(made, target)
-    except BaseException:
-        _remove_empty(os.fspath(target))
-        raise

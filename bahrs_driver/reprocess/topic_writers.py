@@ -8,10 +8,11 @@ import json
 from pathlib import Path
 from typing import Any, Protocol
 
-from bahrs_driver.bag.bag_output import BagWriter, make_directory
+from bahrs_driver.bag.bag_output import BagWriter
 from bahrs_driver.bag.serialization import serialized, type_name
 from bahrs_driver.bag.topics import profile, Topic
 from bahrs_driver.files.live_file import LiveFile
+from bahrs_driver.files.new_directory import make_directory
 
 QUEUE_DEPTH = 100               # of the node's publishers
 
