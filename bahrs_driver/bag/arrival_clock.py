@@ -3,8 +3,9 @@
 """
 Determine the log times of messages as they arrive.
 
-The middleware gives the arrival of a message in ROS time. If ROS time was set before the message
-is taken, that is a time on the earlier clock: each setting applies to the times while it lasted.
+The middleware gives the arrival of a message in ROS time. If the host's clock was set before the
+message is taken, that is a time of the clock as it was before. So the latest offsets of ROS time
+are kept, each with the period in which it was valid.
 """
 
 from collections import deque
@@ -17,16 +18,25 @@ from bahrs_driver.clock import Instant
 from bahrs_driver.process.host_time import host_instant
 from bahrs_driver.units import NS_PER_S
 
-KEPT = 10                           # settings of the clock at which a message may have arrived
+MAX_OFFSETS = 10                    # kept
 MAX_AGE = 60 * NS_PER_S             # for which a message may have waited
 
 
-class Setting(NamedTuple):
-    """A setting of ROS time. The clock was set between two readings."""
+class OffsetPeriod(NamedTuple):
+    """
+    An offset of ROS time, and the log times between which it may have been valid.
+
+    The host's clock is set between two readings, so the periods of two offsets overlap.
+    """
 
     offset: int         # ns that ROS time is ahead of log time
-    begin: int          # log time of the reading before it was set
-    end: int            # log time of the reading after it was set again
+    begin: int
+    end: int
+
+    def log_time(self, ros_ns: int) -> int | None:
+        """Convert a ROS time to log time; None outside the period."""
+        log_ns = ros_ns - self.offset
+        return log_ns if self.begin <= log_ns <= self.end else None
 
 
 class ArrivalLogClock:
@@ -36,31 +46,31 @@ class ArrivalLogClock:
         self._read = read
         self._lock = threading.Lock()
         self._clock = LogClock()
-        self._settings = deque([Setting(0, 0, LATEST)], KEPT)
+        self._periods = deque([OffsetPeriod(0, 0, LATEST)], MAX_OFFSETS)
         self._last = 0
-        self.began = self.now()
+        self.start = self.now()
 
     def now(self) -> int:
         """Return the present log time."""
         with self._lock:
             instant = self._read()
-            moment = self._clock.observe(instant.ros_ns, instant.raw_ns)
-            if moment.offset != self._settings[-1].offset:
-                self._settings[-1] = self._settings[-1]._replace(end=moment.log_ns)
-                self._settings.append(Setting(moment.offset, self._last, LATEST))
-            self._last = moment.log_ns
-            return moment.log_ns
+            now = self._clock.observe(instant.ros_ns, instant.raw_ns)
+            if now.offset != self._periods[-1].offset:
+                self._periods[-1] = self._periods[-1]._replace(end=now.log_ns)
+                self._periods.append(OffsetPeriod(now.offset, self._last, LATEST))
+            self._last = now.log_ns
+            return now.log_ns
 
     def log_time(self, now: int, *ros_times: int | None) -> int:
         """Return the log time of the first ROS time that is shortly before now; else now."""
         with self._lock:
-            settings = list(self._settings)
-        for ros_ns in ros_times:
-            found = max((log_ns for offset, begin, end in settings
-                         if begin <= (log_ns := (ros_ns or 0) - offset) <= min(now, end)),
-                        default=0)
-            if found > now - MAX_AGE:
-                return found
+            periods = list(self._periods)
+        for ros_ns in filter(None, ros_times):
+            log_times = [log_ns for period in periods
+                         if (log_ns := period.log_time(ros_ns)) is not None
+                         and now - MAX_AGE < log_ns <= now]
+            if log_times:
+                return max(log_times)
         return now
 
     def sentences(self) -> list[str]:

@@ -17,7 +17,7 @@ from typing import BinaryIO, cast
 from bahrs_driver.bag.bag_kind import (
     base_name, COMPRESSIONS, HEAD_SIZE, KINDS, SQLITE_MAGIC, ZSTD_MAGIC,
 )
-from bahrs_driver.bag.compression import zstd_stream
+from bahrs_driver.bag.compression import zstd_pieces, zstd_stream
 from bahrs_driver.bag.damage import Damage
 from bahrs_driver.bag.mcap_input import read_mcap
 from bahrs_driver.bag.sqlite_input import read_sqlite
@@ -27,7 +27,6 @@ from bahrs_driver.process.printable import printable
 
 MAX_RATIO = 1000                # by which a compressed file may expand
 MIN_LIMIT = 64 << 20            # bytes that any file may expand to
-_PIECE = 1 << 20
 
 
 def find_files(path: Path) -> list[Path]:
@@ -62,7 +61,7 @@ class BagFile:
         """Yield the raw messages in their order, up to damage that ends the file."""
         self.damage, self.done = Damage(self.path), 0
         try:
-            with self.path.open('rb') as file, self.damage.ending():
+            with self.path.open('rb') as file, self.damage.stop_if_damaged():
                 yield from self._messages(file)
         except OSError as error:
             raise CaptureError(
@@ -70,13 +69,14 @@ class BagFile:
         self.done = self.size
 
     def _messages(self, file: io.BufferedReader) -> Iterator[StoredMessage]:
-        head = _head(file)
+        head = file.peek(HEAD_SIZE)
         if compressed := head.startswith(ZSTD_MAGIC):
-            head = _head(file, compressed)
+            head = zstd_stream(file).read(HEAD_SIZE)
+            file.seek(0)
         if head.startswith(SQLITE_MAGIC):
-            for message, share in read_sqlite(
-                    self._unpacked(file) if compressed else self.path, self.damage):
-                self.done = min(self.size, max(0, round(share * self.size)))
+            database = self._decompress(file) if compressed else self.path
+            for message, fraction in read_sqlite(database, self.damage):
+                self.done = min(self.size, max(0, round(fraction * self.size)))
                 yield message
             return
         stream = zstd_stream(file) if compressed else cast(BinaryIO, file)
@@ -84,13 +84,13 @@ class BagFile:
             self.done = file.tell()
             yield message
 
-    def _unpacked(self, file: BinaryIO) -> Path:
+    def _decompress(self, file: BinaryIO) -> Path:
         """Decompress into a temporary file, which exists as long as this object."""
         if self._folder is None:
             folder = tempfile.TemporaryDirectory(prefix='bahrs_')
             try:
-                _decompress(file, Path(folder.name) / 'bag.db3',
-                            max(MIN_LIMIT, MAX_RATIO * self.size))
+                with Path(folder.name, 'bag.db3').open('wb') as output:
+                    output.writelines(zstd_pieces(file, max(MIN_LIMIT, MAX_RATIO * self.size)))
             except (OSError, DamageError) as error:
                 folder.cleanup()
                 raise CaptureError(
@@ -98,23 +98,6 @@ class BagFile:
                     'Decompress it with zstd -d and name the result') from error
             self._folder = folder
         return Path(self._folder.name) / 'bag.db3'
-
-
-def _head(file: BinaryIO, compressed: bool = False) -> bytes:
-    """Return the first bytes of a file, and seek to its beginning."""
-    head = (zstd_stream(file) if compressed else file).read(HEAD_SIZE)
-    file.seek(0)
-    return head
-
-
-def _decompress(file: BinaryIO, target: Path, limit: int) -> None:
-    stream, size = zstd_stream(file), 0
-    with target.open('wb') as output:
-        while piece := stream.read(_PIECE):
-            size += len(piece)
-            if size > limit:
-                raise DamageError(f'it expands to more than {limit:,} bytes')
-            output.write(piece)
 
 
 def _number(file: Path) -> tuple[int, str]:

@@ -4,7 +4,7 @@
 Read the recorded bytes of a device.
 
 A file of bare bytes has no times; a bag with the topic `raw` has the host's time of every read.
-Both are read a piece at a time: a long recording needs no more memory than a short one.
+Both are read in pieces: a long recording needs no more memory than a short one.
 """
 
 from collections.abc import Iterator
@@ -21,14 +21,14 @@ class Chunk(NamedTuple):
     """The bytes of one read."""
 
     data: bytes
-    read_at: int | None = None      # host ROS time of the read, in ns since the epoch
-    raw_at: int | None = None       # the same time on CLOCK_MONOTONIC_RAW, if recorded
-    opening: int = 1                # number of the connection; each begins a new stream
+    ros_ns: int | None = None       # host ROS time of the read, in ns since the epoch
+    raw_ns: int | None = None       # the same time on CLOCK_MONOTONIC_RAW, if recorded
+    connection_id: int = 1          # each connection begins a new stream
 
 
 class Capture:
     """
-    The recorded bytes of a device. Each call of `chunks()` begins at the beginning.
+    The recorded bytes of a device. Each call of `chunks()` reads from the beginning.
 
     `size` is the number of bytes on the disk, of which chunks() has read `done`. `sensor` and
     `byte_ns` (the transmission time of a byte, 0 for a line without a rate) are None if they are

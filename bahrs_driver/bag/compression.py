@@ -7,7 +7,7 @@ A few kilobytes can claim to be, or expand to, gigabytes. So data is decompresse
 until the limit is reached.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 import io
 from typing import BinaryIO
 
@@ -40,9 +40,14 @@ def zstd_stream(file: BinaryIO) -> BinaryIO:
     return reader
 
 
+def zstd_pieces(file: BinaryIO, limit: int) -> Iterator[bytes]:
+    """Yield the decompressed file; DamageError if it has more bytes than the limit."""
+    stream = zstd_stream(file)
+    return _pieces(lambda: stream.read(PIECE), limit)
+
+
 def _zstd(data: bytes, limit: int) -> bytes:
-    stream = zstd_stream(io.BytesIO(data))
-    return _collect(lambda: stream.read(PIECE), limit)
+    return b''.join(zstd_pieces(io.BytesIO(data), limit))
 
 
 def _lz4(data: bytes, limit: int) -> bytes:
@@ -56,17 +61,16 @@ def _lz4(data: bytes, limit: int) -> bytes:
         given, rest = rest, b''
         piece: bytes = decompressor.decompress(given, PIECE)
         return piece
-    return _collect(read, limit)
+    return b''.join(_pieces(read, limit))
 
 
-def _collect(read: Callable[[], bytes], limit: int) -> bytes:
-    pieces, size = [], 0
+def _pieces(read: Callable[[], bytes], limit: int) -> Iterator[bytes]:
+    size = 0
     while piece := read():
         size += len(piece)
         if size > limit:
             raise DamageError(f'it expands to more than {limit:,} bytes')
-        pieces.append(piece)
-    return b''.join(pieces)
+        yield piece
 
 
 _DECOMPRESSORS: dict[str, Callable[[bytes, int], bytes]] = {

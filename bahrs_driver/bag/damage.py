@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Count the damaged parts of a bag's file.
+Skip and count the damaged parts of a bag's file.
 
 The libraries that read bags raise many kinds of exceptions for malformed bytes. Only this module
-converts them to sentences.
+catches them, and makes sentences of them.
 """
 
 from collections import Counter
@@ -28,8 +28,8 @@ class Damage:
         self._end = ''
 
     @contextlib.contextmanager
-    def leaving_out(self, part: str) -> Iterator[None]:
-        """Count a part, such as 'chunk', as left out if reading it raises anything."""
+    def skip_if_damaged(self, part: str) -> Iterator[None]:
+        """Count a part, such as 'chunk', as left out if the block that reads it raises."""
         try:
             yield
         except CaptureError:
@@ -39,8 +39,8 @@ class Damage:
             self._reasons.setdefault(part, _reason(error))
 
     @contextlib.contextmanager
-    def ending(self) -> Iterator[None]:
-        """Treat any exception as the end of the file."""
+    def stop_if_damaged(self) -> Iterator[None]:
+        """Report an early end of the file if the block that reads it raises."""
         try:
             yield
         except CaptureError:

@@ -19,8 +19,8 @@ MAX_STEPS = 20          # kept; more are only counted
 LATEST = 2 ** 62        # ns; the limit of log times, for any recording
 
 
-class Moment(NamedTuple):
-    """A time of a recording on its clocks, in ns."""
+class LogInstant(NamedTuple):
+    """One instant of a recording on its three clocks, in ns."""
 
     log_ns: int         # never goes back
     ros_ns: int         # as set at that time
@@ -36,21 +36,21 @@ class Step(NamedTuple):
 
 
 class LogClock:
-    """Assigns log times to successive moments."""
+    """Assigns log times to successive instants."""
 
     def __init__(self) -> None:
         self.steps: list[Step] = []
         self.step_count = 0
-        self._first: Moment | None = None
-        self._last = Moment(0, 0, 0)
-        self._raw_ns: int | None = None     # of the last moment, as passed to observe()
-        self._elapsed = 0                   # between the last two moments
+        self._first: LogInstant | None = None
+        self._last = LogInstant(0, 0, 0)
+        self._raw_ns: int | None = None     # of the last instant, as passed to observe()
+        self._elapsed = 0                   # between the last two instants
 
-    def observe(self, ros_ns: int, raw_ns: int | None) -> Moment:
-        """Return a moment with its log time; raw_ns is CLOCK_MONOTONIC_RAW, None if unknown."""
+    def observe(self, ros_ns: int, raw_ns: int | None) -> LogInstant:
+        """Return an instant with its log time; raw_ns is CLOCK_MONOTONIC_RAW, None if unknown."""
         if self._first is None:
             steady_ns = ros_ns if raw_ns is None else raw_ns
-            self._first = self._last = Moment(ros_ns, ros_ns, steady_ns)
+            self._first = self._last = LogInstant(ros_ns, ros_ns, steady_ns)
         else:
             self._advance(ros_ns, raw_ns)
         self._raw_ns = raw_ns
@@ -77,11 +77,11 @@ class LogClock:
         step = step_between(Instant(last.raw_ns, last.ros_ns), Instant(steady_ns, ros_ns))
         offset = last.offset + step
         log_ns = min(LATEST, max(last.log_ns, ros_ns - offset))
-        self._last = Moment(log_ns, ros_ns, steady_ns, offset)
+        self._last = LogInstant(log_ns, ros_ns, steady_ns, offset)
         if step:
-            self._note(step)
+            self._add_step(step)
 
-    def _note(self, size_ns: int) -> None:
+    def _add_step(self, size_ns: int) -> None:
         assert self._first
         self.step_count += 1
         if len(self.steps) < MAX_STEPS:

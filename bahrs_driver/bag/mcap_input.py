@@ -25,7 +25,7 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Schema
 
-_HEAD = struct.Struct('<BQ')            # of a record: its kind and its length
+_HEADER = struct.Struct('<BQ')          # of a record: its kind and its length
 _MESSAGE = struct.Struct('<HIQQ')       # channel, sequence number, log time, publish time
 _PIECE = 1 << 20
 _DEFINITIONS = {Opcode.SCHEMA, Opcode.CHANNEL}
@@ -40,14 +40,14 @@ def read_mcap(stream: BinaryIO, damage: Damage) -> Iterator[StoredMessage]:
         raise DamageError('it is not an MCAP file')
     channels = _Channels(stream, damage)
     for record in _records(stream, damage, _USED):
-        for kind, content in _unpacked(record, damage):
+        for kind, content in _expanded(record, damage):
             if kind == Opcode.MESSAGE and len(content) >= _MESSAGE.size:
                 number, _, log_time, _ = _MESSAGE.unpack_from(content)
                 topic = channels.topic(number)
                 if topic is not None:
                     yield StoredMessage(topic, log_time, content[_MESSAGE.size:])
             elif kind in _DEFINITIONS:
-                channels.define(kind, content)
+                channels.add_definition(kind, content)
     if stream.read(len(MAGIC)) != MAGIC:
         raise DamageError('its end is missing')
 
@@ -60,12 +60,12 @@ class _Channels:
         self._damage = damage
         self._schemas: set[int] = set()
         self._topics: dict[int, str | None] = {}    # by channel; None for another type
-        self._searched = False
+        self._summary_read = False
 
-    def define(self, kind: int, content: bytes) -> None:
+    def add_definition(self, kind: int, content: bytes) -> None:
         """Store a schema or a channel."""
         reader = ReadDataStream(io.BytesIO(content))
-        with self._damage.leaving_out('definition'):
+        with self._damage.skip_if_damaged('definition'):
             if kind == Opcode.CHANNEL:
                 channel = Channel.read(reader)
                 wanted = channel.schema_id in self._schemas
@@ -77,30 +77,30 @@ class _Channels:
 
     def topic(self, number: int) -> str | None:
         """Return the topic of a channel; None if its messages are of another type."""
-        if number not in self._topics and not self._searched:
-            self._search()
+        if number not in self._topics and not self._summary_read:
+            self._read_summary()
         return self._topics.get(number)
 
-    def _search(self) -> None:
-        """Read definitions from the summary, which repeats those of damaged chunks."""
-        self._searched = True
+    def _read_summary(self) -> None:
+        """Read the definitions in the summary, which repeats those of damaged chunks."""
+        self._summary_read = True
         if isinstance(self._stream, io.BufferedReader):     # a decompressed stream cannot
             position = self._stream.tell()
             self._stream.seek(len(MAGIC))
             with contextlib.suppress(Exception):        # later reads report the damage
                 for kind, content in _records(self._stream, self._damage, _DEFINITIONS):
-                    self.define(kind, content)
+                    self.add_definition(kind, content)
             self._stream.seek(position)
 
 
-def _unpacked(record: Record, damage: Damage) -> Iterator[Record]:
+def _expanded(record: Record, damage: Damage) -> Iterator[Record]:
     """Yield the records in a chunk, or the record itself."""
     kind, content = record
     if kind != Opcode.CHUNK:
         yield record
         return
-    with damage.leaving_out('chunk'):
-        yield from _inner_records(_decompressed(content))
+    with damage.skip_if_damaged('chunk'):
+        yield from _records_in_chunk(_decompressed(content))
 
 
 def _decompressed(content: bytes) -> bytes:
@@ -113,11 +113,11 @@ def _decompressed(content: bytes) -> bytes:
     return data
 
 
-def _inner_records(content: bytes) -> Iterator[Record]:
+def _records_in_chunk(content: bytes) -> Iterator[Record]:
     position = 0
     while position < len(content):
-        kind, length = _HEAD.unpack_from(content, position)
-        position += _HEAD.size
+        kind, length = _HEADER.unpack_from(content, position)
+        position += _HEADER.size
         if position + length > len(content):
             raise DamageError('a record in it is longer than the chunk')
         if kind in _USED:
@@ -125,21 +125,21 @@ def _inner_records(content: bytes) -> Iterator[Record]:
         position += length
 
 
-def _records(stream: BinaryIO, damage: Damage, used: set[Opcode]) -> Iterator[Record]:
+def _records(stream: BinaryIO, damage: Damage, kinds: set[Opcode]) -> Iterator[Record]:
     """Yield records of some kinds up to the footer, and skip the others."""
     kind = 0
     while kind != Opcode.FOOTER:
-        kind, length = _HEAD.unpack(_exactly(stream, _HEAD.size))
-        if kind in used and length <= LARGEST_PART:
-            yield kind, _exactly(stream, length)
+        kind, length = _HEADER.unpack(_read_exactly(stream, _HEADER.size))
+        if kind in kinds and length <= LARGEST_PART:
+            yield kind, _read_exactly(stream, length)
             continue
-        if kind in used:
-            with damage.leaving_out('record'):
+        if kind in kinds:
+            with damage.skip_if_damaged('record'):
                 raise DamageError(f'it claims {length:,} bytes')
         stream.seek(length, os.SEEK_CUR)
 
 
-def _exactly(stream: BinaryIO, length: int) -> bytes:
+def _read_exactly(stream: BinaryIO, length: int) -> bytes:
     """Read exactly length bytes, a piece at a time: only existing bytes are allocated."""
     pieces = []
     while length:

@@ -16,8 +16,8 @@ NEVER = 2 ** 63 - 1             # start of a bag without messages
 
 
 @dataclass
-class Span:
-    """Counts and times of a file; times are log times in ns."""
+class FileInformation:
+    """Messages in a file, counted; times are log times in ns."""
 
     name: str = ''
     count: int = 0
@@ -37,7 +37,7 @@ class Span:
                 'duration': {'nanoseconds': max(0, self.last - self.first)}}
 
 
-def write_metadata(folder: Path, topics: Iterable[Topic], files: list[Span]) -> None:
+def write_metadata(folder: Path, topics: Iterable[Topic], files: list[FileInformation]) -> None:
     """Write the file, complete or not at all; WriteError if that is not possible."""
     text = as_yaml({'rosbag2_bagfile_information': information(topics, files)})
     write_atomic(folder / NAME, text.encode(), replace=True)
@@ -49,10 +49,11 @@ def as_yaml(data: object) -> str:
     return text
 
 
-def information(topics: Iterable[Topic], files: list[Span]) -> Mapping[str, object]:
+def information(topics: Iterable[Topic], files: list[FileInformation]) -> Mapping[str, object]:
     """Return the contents of metadata.yaml."""
-    whole = Span('', sum(file.count for file in files), min(file.first for file in files),
-                 max(file.last for file in files))
+    whole = FileInformation(
+        count=sum(file.count for file in files),
+        first=min(file.first for file in files), last=max(file.last for file in files))
     return {
         'version': VERSION, 'storage_identifier': 'mcap', **whole.times(),
         'message_count': whole.count,

@@ -11,10 +11,19 @@ gives an estimate of when the first one was published.
 """
 
 from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 MIN_MESSAGES = 10                   # that show the rate of a topic
 TOLERANCE = 0.1                     # share by which the rate may have been different before
 SLACK = 300_000_000                 # ns from the creation of a topic to its first message
+
+
+class PublisherStart(NamedTuple):
+    """An estimate of when a publisher was created."""
+
+    messages: int       # that it has published since
+    time: float         # log time in ns
+    error: float        # ns
 
 
 class SequenceCount:
@@ -22,51 +31,53 @@ class SequenceCount:
 
     def __init__(self, shared: Callable[[], bool]) -> None:
         self.lost = 0                   # between received messages
-        self.missed_again = 0           # of a restarted driver, before its first received one
-        self.earlier = 0                # before the first received message
-        self.span = 0                   # since then, of the same publisher
+        self.before_first = 0           # published before the first received message
+        self.before_restarted = 0       # the same of a restarted driver
         self._shared = shared
-        self._first_ns = self._last_ns = 0
         self._last = 0
-        self._same = True
+        # The first publisher, from its first received message to its latest one:
+        self._published = 0             # messages
+        self._first_ns = self._last_ns = 0
+        self._restarted = False
 
     def add(self, sequence: int, time_ns: int) -> None:
         """Count a received message, by its sequence number and log time in ns."""
         if not self._last:
-            self.earlier = 0 if self._shared() else sequence - 1
-            self._first_ns = time_ns
+            self.before_first = 0 if self._shared() else sequence - 1
+            self._last, self._first_ns = sequence, time_ns
         elif sequence != self._last + 1 and not self._shared():
             if sequence > self._last:
                 self.lost += sequence - self._last - 1
             else:
-                self.missed_again += sequence - 1
-                self._same = False
-        if self._same:
-            self.span += max(0, sequence - self._last) if self._last else 0
+                self.before_restarted += sequence - 1
+                self._restarted = True
+        if not self._restarted:
+            self._published += max(0, sequence - self._last)
             self._last_ns = time_ns
         self._last = sequence
 
-    def began(self) -> tuple[float, float] | None:
-        """Return an estimate of the time of the first message, in ns, and its uncertainty."""
-        if self.earlier and self.span < MIN_MESSAGES:
+    def start(self) -> PublisherStart | None:
+        """Estimate when the publisher was created; None if too few messages show the rate."""
+        if self.before_first and self._published < MIN_MESSAGES:
             return None
-        age = self.earlier * (self._last_ns - self._first_ns) / max(1, self.span)
-        return self._first_ns - age, SLACK + TOLERANCE * age
+        period = (self._last_ns - self._first_ns) / max(1, self._published)
+        age = self.before_first * period
+        return PublisherStart(self.before_first + self._published, self._first_ns - age,
+                              SLACK + TOLERANCE * age)
 
 
-def missed(counts: Mapping[str, SequenceCount], listening_since: int,
-           is_new: bool) -> dict[str, int]:
+def missed(counts: Mapping[str, SequenceCount], recorder_start: int,
+           driver_is_later: bool) -> dict[str, int]:
     """
     Return, by topic, the number of messages published before recorder and driver were connected.
 
-    is_new means that the driver certainly started after the recorder, whose log time that is.
-    Messages of a driver that started earlier are not counted.
+    recorder_start is a log time; driver_is_later means that the driver certainly started after
+    it. Messages of a driver that started earlier are not counted.
     """
-    known = [(count.earlier + count.span, found)
-             for count in counts.values() if (found := count.began()) is not None]
-    if known and not is_new:
-        _, (began, error) = max(known)
-        is_new = began > listening_since - error
-    numbers = {topic: count.missed_again + count.earlier * is_new
+    starts = [start for count in counts.values() if (start := count.start()) is not None]
+    if starts and not driver_is_later:
+        best = max(starts)              # of the topic with most messages
+        driver_is_later = best.time > recorder_start - best.error
+    numbers = {topic: count.before_restarted + count.before_first * driver_is_later
                for topic, count in counts.items()}
     return {topic: number for topic, number in numbers.items() if number}

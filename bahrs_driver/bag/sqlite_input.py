@@ -31,7 +31,7 @@ def read_sqlite(file: Path, damage: Damage) -> Iterator[tuple[StoredMessage, flo
         last = connection.execute('SELECT max(id) FROM messages').fetchone()[0] or 1
         for number, topic, log_time, data in connection.execute(
                 _MESSAGES, (LARGEST_PART, RAW_TYPE)):
-            with damage.leaving_out(MESSAGE):
+            with damage.skip_if_damaged(MESSAGE):
                 if not isinstance(data, bytes) or not isinstance(log_time, int):
                     raise DamageError('it has no data, or too much')
                 yield StoredMessage(topic, log_time, data), number / last

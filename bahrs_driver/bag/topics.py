@@ -20,9 +20,9 @@ class Topic(NamedTuple):
     qos: tuple[Qos, ...]
 
 
-def profile(history: str, depth: int, reliability: str, durability: str,
-            liveliness: str = 'automatic', deadline: Qos = _FOREVER, lifespan: Qos = _FOREVER,
-            lease: Qos = _FOREVER) -> Qos:
+def qos_profile(history: str, depth: int, reliability: str, durability: str,
+                liveliness: str = 'automatic', deadline: Qos = _FOREVER, lifespan: Qos = _FOREVER,
+                lease: Qos = _FOREVER) -> Qos:
     """Return a quality of service in the format of rosbag2; times are sec and nsec."""
     return {'history': history, 'depth': depth, 'reliability': reliability,
             'durability': durability, 'deadline': dict(deadline), 'lifespan': dict(lifespan),

@@ -10,7 +10,7 @@ import json
 from pathlib import Path
 
 from bahrs_driver.bag.capture import Capture
-from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.bag.open_capture import open_capture
 from bahrs_driver.cli.capture_options import (
     add_sensor_option, add_topic_option, sensor_of,
 )
@@ -68,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
     options.namespace = checked_namespace(options.namespace)
     _refuse_pipe(options.input)
     try:
-        capture = read_capture(options.input, options.topic)
+        capture = open_capture(options.input, options.topic)
         name = sensor_of(capture, options.sensor)
         if DEVICES[name].roles is None and not capture.timed:
             raise CommandError(f'{options.input} cannot be converted: answers of a {name} have no '

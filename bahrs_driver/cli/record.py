@@ -11,8 +11,9 @@ import json
 import math
 import time
 
-from bahrs_driver.bag.bag_output import BagWriter
-from bahrs_driver.bag.recorder import RAW, Recorder
+from bahrs_driver.bag.bag_writer import BagWriter
+from bahrs_driver.bag.recorder import Recorder
+from bahrs_driver.bag.stored_message import RAW_TOPIC
 from bahrs_driver.cli.node_options import add_node_options, selected_node, several_nodes
 from bahrs_driver.cli.printing import print_counts, warn
 from bahrs_driver.cli.ros_session import ros_session
@@ -116,7 +117,7 @@ def _record(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
                 if recorder.choice.several:
                     raise several_nodes(recorder.choice.several)
                 was_empty = not bag.count
-                _write(recorder, bag, recorder.settled())
+                _write(recorder, bag, recorder.advance_watermark())
                 if was_empty and bag.count:
                     end = now + options.duration
                 files.update(now)
@@ -125,7 +126,7 @@ def _record(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
                     break
     finally:
         recorder.stop()
-    _write(recorder, bag, None)
+    _write(recorder, bag)
 
 
 class _FileRotation:
@@ -177,7 +178,7 @@ class _Display:
                 self._shown_reason = reason
 
 
-def _write(recorder: Recorder, bag: BagWriter, until: int | None) -> None:
+def _write(recorder: Recorder, bag: BagWriter, until: float = math.inf) -> None:
     topics = recorder.new_topics()
     if topics:
         bag.add_topics(topics)
@@ -191,7 +192,7 @@ def _why_empty(options: argparse.Namespace, recorder: Recorder) -> str:
     if not recorder.node_seen:
         return f'there is no {recorder.choice.selection}: start the driver, or name it with --node'
     if options.raw_only:
-        return (f'the driver does not publish {RAW}: start it with '
+        return (f'the driver does not publish {RAW_TOPIC}: start it with '
                 '--ros-args -p publish.raw:=true')
     return 'the driver publishes nothing'
 
@@ -211,8 +212,8 @@ def _report(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
                  width=32)
     for sentence in _warnings(recorder):
         warn('record', sentence)
-    if counts and not any(topic.endswith(f'/{RAW}') for topic in counts):
-        warn('record', f'this bag cannot be converted without {RAW}: start the driver '
+    if counts and not any(topic.endswith(f'/{RAW_TOPIC}') for topic in counts):
+        warn('record', f'this bag cannot be converted without {RAW_TOPIC}: start the driver '
                        'with -p publish.raw:=true')
 
 

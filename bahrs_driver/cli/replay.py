@@ -11,7 +11,7 @@ import time
 
 from bahrs_driver.bag.capture import Capture, PIECE
 from bahrs_driver.bag.log_clock import LogClock
-from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.bag.open_capture import open_capture
 from bahrs_driver.cli.cable_options import add_cable_options, FAULTS_HELP
 from bahrs_driver.cli.capture_options import (
     add_sensor_option, add_topic_option, sensor_of,
@@ -101,7 +101,7 @@ def _read_input(options: argparse.Namespace) -> tuple[Capture | None, bytes]:
     if options.file == STANDARD_INPUT:
         with binary_input(options.file) as file:
             return None, file.read()
-    capture = read_capture(options.file, options.topic)
+    capture = open_capture(options.file, options.topic)
     if not capture.size:
         raise CommandError(f'{printable(options.file)} is empty: there is nothing to play')
     return capture, b''
@@ -139,8 +139,8 @@ def _pieces(options: argparse.Namespace, capture: Capture | None, content: bytes
 def _timed_reads(capture: Capture) -> Iterator[Piece]:
     """Yield the bytes of each read with its seconds since the first read."""
     log_clock, first = LogClock(), None
-    for data, read_at, raw_at, _ in capture.chunks():
-        at = log_clock.observe(read_at or 0, raw_at).raw_ns
+    for data, ros_ns, raw_ns, _ in capture.chunks():
+        at = log_clock.observe(ros_ns or 0, raw_ns).raw_ns
         first = at if first is None else first
         yield (at - first) / NS_PER_S, data
     capture.notes.extend(log_clock.sentences())

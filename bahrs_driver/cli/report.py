@@ -10,7 +10,7 @@ import os
 from pathlib import Path
 
 from bahrs_driver.bag.capture import Capture
-from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.bag.open_capture import open_capture
 from bahrs_driver.cli.capture_options import add_topic_option
 from bahrs_driver.cli.outputs import add_force, is_standard_output, output_file
 from bahrs_driver.cli.progress import progress_bar
@@ -68,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
 def _recording(options: argparse.Namespace) -> Recording:
     """Read the recording; CommandError if it has no frame."""
     try:
-        capture = read_capture(options.input, options.topic)
+        capture = open_capture(options.input, options.topic)
         specs = {spec.name: spec for spec in _reported()}
         spec = specs.get(capture.sensor or next(iter(specs)))
         if spec is None:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from bahrs_driver.bag.capture import Capture
+from bahrs_driver.bag.feed_capture import feed_capture
 from bahrs_driver.bag.log_clock import LogClock
-from bahrs_driver.bag.play_capture import play_capture
 from bahrs_driver.devices.recording_format import Limits, RecordingFormat
 from bahrs_driver.pipeline import Pipeline, PipelineCounters
 from bahrs_driver.protocol.batch import Batch
@@ -99,12 +99,12 @@ def gather(capture: Capture, recorded: RecordingFormat,
     collector, batch = _FrameCollector(), Batch(recorded.layouts)
     pipeline = Pipeline(Framer(recorded.frame_format), collector)
     times, raws, received = array('q'), array('q'), array('q')      # there are millions
-    for chunk, *_ in play_capture(capture, pipeline, LogClock()):
+    for chunk, *_ in feed_capture(capture, pipeline, LogClock()):
         batch.add(collector.take())
-        if chunk.data and chunk.read_at is not None:
-            times.append(chunk.read_at)
-            if chunk.raw_at is not None:
-                raws.append(chunk.raw_at)
+        if chunk.data and chunk.ros_ns is not None:
+            times.append(chunk.ros_ns)
+            if chunk.raw_ns is not None:
+                raws.append(chunk.raw_ns)
             received.append(pipeline.received)
         progress()
     reads = Reads(np.array(times), np.array(raws) if len(raws) == len(times) else None,

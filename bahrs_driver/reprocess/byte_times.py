@@ -13,8 +13,8 @@ from itertools import chain
 from typing import Any
 
 from bahrs_driver.bag.capture import Capture, Chunk
+from bahrs_driver.bag.feed_capture import feed_capture
 from bahrs_driver.bag.log_clock import LogClock
-from bahrs_driver.bag.play_capture import play_capture
 from bahrs_driver.clock.counter import CountedSequence
 from bahrs_driver.clock.time_reference import Label
 from bahrs_driver.pipeline import Pipeline, Stamped
@@ -52,7 +52,7 @@ class DeviceTimed(Capture):
             # Of each sample whose count does not follow: its number, its count and its counter.
             self._jumps = array('q'), array('q'), array('B')
             self._received = 0
-            for played in play_capture(capture, make_pipeline(), LogClock()):
+            for played in feed_capture(capture, make_pipeline(), LogClock()):
                 progress('looking for times')
                 for event in played.events:
                     if isinstance(event, Stamped):

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 from bahrs_driver.bag.capture import Capture, Chunk
+from bahrs_driver.bag.feed_capture import ChunkEvents, feed_capture
 from bahrs_driver.bag.log_clock import LogClock
-from bahrs_driver.bag.play_capture import play_capture, PlayedChunk
 from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.clock import Clock
 from bahrs_driver.convert import raw
@@ -24,7 +24,7 @@ from bahrs_driver.pipeline import Unstamped
 from bahrs_driver.reprocess import replay_diagnostics
 from bahrs_driver.reprocess.byte_times import DeviceTimed
 from bahrs_driver.reprocess.decoding_faults import DecodingFaults
-from bahrs_driver.reprocess.log_order import LogOrder
+from bahrs_driver.reprocess.ordered_writer import OrderedWriter
 from bahrs_driver.reprocess.replay_diagnostics import ReplayDiagnostics
 from bahrs_driver.reprocess.topic_writers import TopicWriter
 from bahrs_driver.units import NS_PER_S
@@ -70,20 +70,20 @@ class Conversion:
         pipeline = parts.pipeline(clock)
         topics = self._topics(parts)
         writer.begin(topics, {topic for topic in topics if topic in self._spec.latched()})
-        order, log_clock = LogOrder(writer), LogClock()
-        second_pass = _SecondPass(parts, order, ReplayDiagnostics(
+        output, log_clock = OrderedWriter(writer), LogClock()
+        second_pass = _SecondPass(parts, output, ReplayDiagnostics(
             self._spec, parts, clock, pipeline.counters, self._settings))
-        for played in play_capture(capture, pipeline, log_clock):
+        for fed in feed_capture(capture, pipeline, log_clock):
             progress('converting')
-            second_pass.convert(played)
-            if self._capture.timed and played.chunk.data:
-                order.add(played.moment.log_ns, raw.TOPIC, self._raw(played.chunk))
-            order.write_until(played.moment.log_ns)
-        order.write_all()
+            second_pass.convert(fed)
+            if self._capture.timed and fed.chunk.data:
+                output.add(fed.read.log_ns, raw.TOPIC, self._raw(fed.chunk))
+            output.write_until(fed.read.log_ns)
+        output.write_until()
         self.notices = [*parts.take_notices(), *second_pass.faults.notices()]
         framing = pipeline.counters.framing
-        return ConversionResult(framing.frames, framing.skipped_bytes, order.count,
-                                order.first_ns, order.last_ns, log_clock.sentences())
+        return ConversionResult(framing.frames, framing.skipped_bytes, output.count,
+                                output.first_ns, output.last_ns, log_clock.sentences())
 
     def _make_parts(self) -> Parts:
         return self._spec.parts(self._settings)
@@ -107,45 +107,45 @@ class Conversion:
         if smoothing is None:
             return self._capture, None
         pipeline = parts.pipeline(smoothing.first_pass)
-        for _ in play_capture(self._capture, pipeline, LogClock()):
+        for _ in feed_capture(self._capture, pipeline, LogClock()):
             progress('looking at the clock')
         return self._capture, smoothing.second_pass()
 
     def _raw(self, chunk: Chunk) -> UInt8MultiArray:
-        read_at = chunk.read_at or 0
+        ros_ns = chunk.ros_ns or 0
         return raw.message(chunk.data, ReadMetadata(
-            self._spec.name, chunk.opening, self._capture.byte_ns or 0, read_at,
-            read_at if chunk.raw_at is None else chunk.raw_at).to_label())
+            self._spec.name, chunk.connection_id, self._capture.byte_ns or 0, ros_ns,
+            ros_ns if chunk.raw_ns is None else chunk.raw_ns).to_label())
 
 
 class _SecondPass:
     """Converts the messages of a capture to those of all topics."""
 
-    def __init__(self, parts: Parts, order: LogOrder, diagnostics: ReplayDiagnostics) -> None:
+    def __init__(self, parts: Parts, output: OrderedWriter,
+                 diagnostics: ReplayDiagnostics) -> None:
         self.faults = DecodingFaults()
         self._parts = parts
-        self._order = order
+        self._output = output
         self._diagnostics = diagnostics
 
-    def convert(self, played: PlayedChunk) -> None:
+    def convert(self, fed: ChunkEvents) -> None:
         """Add the messages of all topics that a chunk leads to."""
-        chunk, moment, events, lost = played
-        now, converter = moment.log_ns, self._parts.converter
+        chunk, read, events, disconnected = fed
+        now, converter = read.log_ns, self._parts.converter
         self._add_reports(self._diagnostics.reports_before(now))
         for message, _, stamp_ns in self.faults.messages(events):
-            self._add(converter.convert(message, stamp_ns), stamp_ns - moment.offset)
+            self._add(converter.convert(message, stamp_ns), stamp_ns - read.offset)
             for topic, page in self._parts.service_messages(message):
-                self._order.add(now, topic, page)
-        if lost:
-            self._add(converter.end_stream(moment.ros_ns), now)
-        self._add_reports(self._diagnostics.update(chunk, moment, events))
+                self._output.add(now, topic, page)
+        if disconnected:
+            self._add(converter.end_stream(read.ros_ns), now)
+        self._add_reports(self._diagnostics.update(chunk, read, events))
 
     def _add(self, messages: Iterator[tuple[str, object]], log_ns: int) -> None:
-        counts, order = self._diagnostics.counts, self._order
         for topic, message in messages:
-            counts[topic] += 1
-            order.add(log_ns, topic, message)
+            self._diagnostics.counts[topic] += 1
+            self._output.add(log_ns, topic, message)
 
     def _add_reports(self, reports: Iterator[tuple[int, DiagnosticArray]]) -> None:
         for log_ns, array in reports:
-            self._order.add(log_ns, replay_diagnostics.TOPIC, array)
+            self._output.add(log_ns, replay_diagnostics.TOPIC, array)

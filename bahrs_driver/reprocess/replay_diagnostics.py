@@ -9,7 +9,7 @@ The task *Link* is missing, because a capture has the bytes of a port and not it
 from collections.abc import Iterator, Sequence
 
 from bahrs_driver.bag.capture import Chunk
-from bahrs_driver.bag.log_clock import Moment
+from bahrs_driver.bag.log_clock import LogInstant
 from bahrs_driver.clock import Clock
 from bahrs_driver.devices.parts import Parts
 from bahrs_driver.devices.registry import recognize
@@ -37,7 +37,7 @@ class ReplayDiagnostics:
         self._health = parts.health
         self._time_task = TimeTask(clock, parts.health.stale)
         self._now = self._due = self._offset = 0
-        self._opening: int | None = None
+        self._connection_id: int | None = None
         self._publishing_task = PublishingTask(self.counts, parts.silence_timeout,
                                                spec.latched())
         self._updater = Updater(
@@ -48,20 +48,20 @@ class ReplayDiagnostics:
 
     def reports_before(self, now: int) -> Iterator[tuple[int, DiagnosticArray]]:
         """Yield the reports that were due before a time, each with its own time."""
-        if self._opening is None:
+        if self._connection_id is None:
             self._due = now
         end = min(now, self._due + LONGEST_SILENCE)
         while self._due < end:
             yield self._report(self._due)
         self._due = max(self._due, now)
 
-    def update(self, chunk: Chunk, moment: Moment,
+    def update(self, chunk: Chunk, read: LogInstant,
                events: Sequence[Event]) -> Iterator[tuple[int, DiagnosticArray]]:
         """Update the tasks with a chunk and its events; yield a report if one is due."""
-        self._now, self._offset = moment.log_ns, moment.offset
+        self._now, self._offset = read.log_ns, read.offset
         seconds = self._now / NS_PER_S
-        if chunk.opening != self._opening:
-            self._opening = chunk.opening
+        if chunk.connection_id != self._connection_id:
+            self._connection_id = chunk.connection_id
             self._health.restart()
         self._time_task.update(seconds)
         for event in events:

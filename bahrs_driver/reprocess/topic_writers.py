@@ -8,9 +8,9 @@ import json
 from pathlib import Path
 from typing import Any, Protocol
 
-from bahrs_driver.bag.bag_output import BagWriter
+from bahrs_driver.bag.bag_writer import BagWriter
 from bahrs_driver.bag.serialization import serialized, type_name
-from bahrs_driver.bag.topics import profile, Topic
+from bahrs_driver.bag.topics import qos_profile, Topic
 from bahrs_driver.files.live_file import LiveFile
 from bahrs_driver.files.new_directory import make_directory
 
@@ -37,9 +37,11 @@ class BagTopicWriter:
 
     def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
         """Write names, types and quality of service of all topics."""
-        self._bag.add_topics(Topic(self._name(topic), type_name(kind), (profile(
-            'keep_last', 1, 'reliable', 'transient_local') if topic in latched else profile(
-                'keep_last', QUEUE_DEPTH, 'reliable', 'volatile'),))
+        volatile = qos_profile('keep_last', QUEUE_DEPTH, 'reliable', 'volatile')
+        transient = qos_profile('keep_last', 1, 'reliable', 'transient_local')
+        self._bag.add_topics(
+            Topic(self._name(topic), type_name(kind),
+                  (transient if topic in latched else volatile,))
             for topic, kind in topics.items())
 
     def write(self, topic: str, time_ns: int, message: object) -> None:

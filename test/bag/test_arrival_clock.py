@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of log times while recording, with clocks that the test sets."""
 
-from bahrs_driver.bag.arrival_clock import ArrivalLogClock, KEPT, MAX_AGE
+from bahrs_driver.bag.arrival_clock import ArrivalLogClock, MAX_AGE, MAX_OFFSETS
 from bahrs_driver.clock import Instant
 from hypothesis import given, strategies as st
 import pytest
@@ -72,7 +72,7 @@ def test_times_that_cannot_be():
 
 
 @given(st.lists(st.tuples(st.integers(0, 10 * S), st.integers(-10 * S, 10 * S),
-                          st.integers(0, 100 * S)), min_size=1, max_size=3 * KEPT))
+                          st.integers(0, 100 * S)), min_size=1, max_size=3 * MAX_OFFSETS))
 def test_never_later_than_now(moves):
     """And never long ago, however the clock is set."""
     host = Host()

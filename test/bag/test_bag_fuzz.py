@@ -7,7 +7,7 @@ from pathlib import Path
 import tempfile
 
 from bahrs_driver.bag.capture import Chunk
-from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.bag.open_capture import open_capture
 from bahrs_driver.bag.read_metadata import END_OF_TIME
 from bahrs_driver.errors import CaptureError
 from hypothesis import example, given, settings, strategies as st
@@ -34,7 +34,7 @@ def read(name, content):
         file = Path(folder) / name
         file.write_bytes(content)
         try:
-            capture = read_capture(file)
+            capture = open_capture(file)
             chunks = list(capture.chunks())
         except CaptureError as error:
             assert str(error).isprintable() and str(file) in str(error)
@@ -42,7 +42,7 @@ def read(name, content):
         assert all(note.isprintable() for note in capture.notes)
         assert capture.done == capture.size == len(content)
         for chunk in chunks:
-            assert isinstance(chunk, Chunk) and 0 <= chunk.read_at < END_OF_TIME
+            assert isinstance(chunk, Chunk) and 0 <= chunk.ros_ns < END_OF_TIME
 
 
 @st.composite

@@ -4,7 +4,7 @@
 
 from bahrs_driver.bag import capture
 from bahrs_driver.bag.capture import Chunk
-from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.bag.open_capture import open_capture
 from bahrs_driver.bag.read_metadata import parse_label
 from bahrs_driver.errors import CaptureError
 from mcap.writer import CompressionType
@@ -20,20 +20,20 @@ def test_byte_file(tmp_path, monkeypatch):
     monkeypatch.setattr(capture, 'PIECE', 30)
     file = tmp_path / 'flight.bin'
     file.write_bytes(b''.join(PIECES))
-    read = read_capture(str(file))
+    read = open_capture(str(file))
     assert (read.size, read.sensor, read.timed) == (200, None, False)
     for _ in range(2):
         chunks = list(read.chunks())
         assert [len(chunk.data) for chunk in chunks] == [30] * 6 + [20]
         assert b''.join(chunk.data for chunk in chunks) == b''.join(PIECES)
-        assert {chunk.read_at for chunk in chunks} == {None}
+        assert {chunk.ros_ns for chunk in chunks} == {None}
         assert read.done == read.size
 
 
 @pytest.mark.parametrize('plugin', StoragePlugin)
 def test_bag(tmp_path, plugin):
     """Bytes and times of each read, from the label."""
-    read = read_capture(write_bag(tmp_path / 'bag', plugin))
+    read = open_capture(write_bag(tmp_path / 'bag', plugin))
     assert (read.sensor, read.byte_ns, read.timed) == ('bahrs', 86805, True)
     assert list(read.chunks()) == list(read.chunks()) == CHUNKS
     assert read.notes == []
@@ -43,14 +43,14 @@ def test_bag(tmp_path, plugin):
 def test_one_file_of_a_bag(tmp_path):
     """It is enough."""
     path = write_bag(tmp_path / 'bag', StoragePlugin.MCAP)
-    assert list(read_capture(path / 'bag.mcap').chunks()) == CHUNKS
+    assert list(open_capture(path / 'bag.mcap').chunks()) == CHUNKS
 
 
 @pytest.mark.parametrize('compression', CompressionType)
 def test_compressed_chunks(tmp_path, compression):
     """As MCAP has them."""
     write_mcap(tmp_path / 'a.mcap', compression)
-    assert list(read_capture(tmp_path / 'a.mcap').chunks()) == CHUNKS
+    assert list(open_capture(tmp_path / 'a.mcap').chunks()) == CHUNKS
 
 
 def test_a_recorder_was_killed(tmp_path):
@@ -61,7 +61,7 @@ def test_a_recorder_was_killed(tmp_path):
     for length in range(len(whole), 0, -13):
         file.write_bytes(whole[:length])
         try:
-            read = read_capture(tmp_path)
+            read = open_capture(tmp_path)
         except CaptureError as error:
             assert 'ends early' in str(error) or 'no topic raw' in str(error)
             chunks = []
@@ -79,7 +79,7 @@ def test_split_bag_without_metadata(tmp_path):
     """Files are read by their numbers, ten after nine."""
     for index in (10, 9, 2):
         write_mcap(tmp_path / f'bag_{index}.mcap')
-    read = read_capture(tmp_path)
+    read = open_capture(tmp_path)
     assert list(read.chunks()) == 3 * CHUNKS
     assert read.size == sum(file.stat().st_size for file in tmp_path.iterdir())
 
@@ -89,7 +89,7 @@ def test_bytes_of_somebody_else(tmp_path):
     with Writer(tmp_path / 'bag', version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         connection = writer.add_connection('/raw', TYPE, typestore=STORE)
         writer.write(connection, 77, serialize_message(UInt8MultiArray(data=b'abc')))
-    read = read_capture(tmp_path / 'bag')
+    read = open_capture(tmp_path / 'bag')
     assert list(read.chunks()) == [Chunk(b'abc', 77)]
     assert (read.sensor, read.byte_ns) == (None, None)
 
@@ -97,10 +97,10 @@ def test_bytes_of_somebody_else(tmp_path):
 def test_several_topics_of_raw_bytes(tmp_path):
     """One is read, and a note names the others; the user may name one."""
     path = write_bag(tmp_path / 'bag', StoragePlugin.MCAP, ('/one/raw', '/two/raw'))
-    read = read_capture(path)
+    read = open_capture(path)
     assert list(read.chunks()) == CHUNKS
     assert '/two/raw' in read.notes[0]
-    assert list(read_capture(path, 'two/raw').chunks()) == CHUNKS
+    assert list(open_capture(path, 'two/raw').chunks()) == CHUNKS
 
 
 @pytest.mark.parametrize('make, sentence', [
@@ -112,7 +112,7 @@ def test_what_cannot_be_read(tmp_path, make, sentence):
     """One sentence has the reason."""
     make(tmp_path / 'bag')
     with pytest.raises(CaptureError, match=sentence):
-        read_capture(tmp_path / 'bag')
+        open_capture(tmp_path / 'bag')
 
 
 def test_files_that_are_no_bags(tmp_path):
@@ -122,13 +122,13 @@ def test_files_that_are_no_bags(tmp_path):
         for content in (b'', b'x', bytes(1000)):
             file.write_bytes(content)
             with pytest.raises(CaptureError, match=str(file)):
-                read_capture(file)
+                open_capture(file)
 
 
 def test_bag_without_raw(tmp_path):
     """The sentence has the command that records it."""
     with pytest.raises(CaptureError, match='publish.raw'):
-        read_capture(write_bag(tmp_path / 'bag', StoragePlugin.MCAP, ()))
+        open_capture(write_bag(tmp_path / 'bag', StoragePlugin.MCAP, ()))
 
 
 @pytest.mark.parametrize('metadata', METADATA[:3])

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of log times: even over a clock that is set, and never decreasing."""
 
-from bahrs_driver.bag.log_clock import LATEST, LogClock, MAX_STEPS, Moment
+from bahrs_driver.bag.log_clock import LATEST, LogClock, LogInstant, MAX_STEPS
 from hypothesis import given, strategies as st
 
 S = 1_000_000_000
@@ -16,7 +16,7 @@ def test_nobody_sets_the_clock():
     for index in range(100):
         slewed += 400_000 * (index % 2)         # 8 % of 5 ms
         ros, raw = ROS + index * S // 200 + slewed, RAW + index * S // 200
-        assert clock.observe(ros, raw) == Moment(ros, ros, raw)
+        assert clock.observe(ros, raw) == LogInstant(ros, ros, raw)
     assert clock.steps == [] and clock.sentences() == []
 
 
@@ -27,8 +27,8 @@ def test_set_back_and_forward():
     offset = 0
     for index in range(100):
         offset += sets.get(index, 0)
-        moment = clock.observe(ROS + index * S + offset, RAW + index * S)
-        assert moment.log_ns == ROS + index * S and moment.offset == offset
+        instant = clock.observe(ROS + index * S + offset, RAW + index * S)
+        assert instant.log_ns == ROS + index * S and instant.offset == offset
     assert [(step.seconds, step.size_ns) for step in clock.steps] == list(sets.items())
     assert clock.sentences()[0] == (
         "the host's clock was set by -3600.000000 s, 20.000 s after the beginning: log times go "
@@ -46,10 +46,10 @@ def test_without_a_steady_clock():
 def test_a_host_that_was_started_again():
     """Its steady clock restarts: log time continues by ROS time, which was not set."""
     clock = LogClock()
-    moments = [clock.observe(ROS, 500 * S), clock.observe(ROS + 90 * S, 20 * S),
-               clock.observe(ROS + 91 * S, 21 * S)]
-    assert [moment.log_ns - ROS for moment in moments] == [0, 90 * S, 91 * S]
-    assert [moment.raw_ns for moment in moments] == [500 * S, 590 * S, 591 * S]
+    instants = [clock.observe(ROS, 500 * S), clock.observe(ROS + 90 * S, 20 * S),
+                clock.observe(ROS + 91 * S, 21 * S)]
+    assert [instant.log_ns - ROS for instant in instants] == [0, 90 * S, 91 * S]
+    assert [instant.raw_ns for instant in instants] == [500 * S, 590 * S, 591 * S]
     assert clock.steps == []
 
 
@@ -71,12 +71,12 @@ def test_spacing_is_that_of_the_steady_clock(moves):
 
 
 @given(st.lists(st.tuples(TIME, st.one_of(st.none(), st.integers(0, 2 ** 63 - 1)))))
-def test_never_back_and_bounded(moments):
+def test_never_back_and_bounded(instants):
     """For any labels at all."""
-    clock, last = LogClock(), Moment(0, 0, 0)
-    for ros, raw in moments:
-        moment = clock.observe(ros, raw)
-        assert moment.ros_ns == ros
-        assert last.log_ns <= moment.log_ns <= LATEST and last.raw_ns <= moment.raw_ns
-        last = moment
+    clock, last = LogClock(), LogInstant(0, 0, 0)
+    for ros, raw in instants:
+        instant = clock.observe(ros, raw)
+        assert instant.ros_ns == ros
+        assert last.log_ns <= instant.log_ns <= LATEST and last.raw_ns <= instant.raw_ns
+        last = instant
     assert len(clock.steps) <= MAX_STEPS and len(clock.sentences()) <= MAX_STEPS + 1

@@ -5,7 +5,7 @@
 import contextlib
 import time
 
-from bahrs_driver.bag import recorder as recorder_module
+from bahrs_driver.bag import recorder as recorder_module, topic_search
 from bahrs_driver.bag.recorder import Recorder
 from bahrs_driver.ros.node_names import ROOT, Selection
 import pytest
@@ -77,14 +77,14 @@ def test_several_publishers_of_a_topic_lose_nothing():
 
 def test_a_driver_that_is_started_after_the_recorder(monkeypatch):
     """What it published before both had found each other is counted."""
-    monkeypatch.setattr(recorder_module, 'DISCOVERY', 0.0)      # else its rate decides
+    monkeypatch.setattr(topic_search, 'DISCOVERY', 0.0)      # else its rate decides
     with recording('late') as (recorder, came), publishing('late') as publisher:
         publish(publisher, 1)
         while not publisher.get_subscription_count():
             publish(publisher, 1)
         publish(publisher, LATER)
         assert came(LATER)
-        first = recorder._counts['/late/topic'].earlier
+        first = recorder._counts['/late/topic'].before_first
         assert recorder.missed['/late/topic'] == first > 0 and recorder.lost == 0
 
 
@@ -123,7 +123,7 @@ def test_raw_bytes_that_say_nothing():
         assert wait_for(publisher.get_subscription_count)
         publish(publisher, 1)
         item, = [item for item in came(1) if item.topic == '/foreign/raw']
-        assert 0 <= recorder.settled() + 10 ** 9 - item.log_time
+        assert 0 <= recorder.advance_watermark() + 10 ** 9 - item.log_time
 
 
 def test_a_type_that_is_not_installed(monkeypatch):

@@ -6,7 +6,7 @@ import itertools
 import os
 import subprocess
 
-from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.bag.open_capture import open_capture
 from bahrs_driver.process.printable import printable
 import pytest
 from rosbags.rosbag2 import Reader
@@ -88,7 +88,7 @@ def test_bags_in_folders_of_any_name(tmp_path):
         folder = tmp_path / os.fsdecode(name + kind.encode())
         folder.mkdir()
         write_mcap(folder / 'bag_0.mcap')
-        capture = read_capture(folder / 'bag_0.mcap' if kind == 'mcap' else folder)
+        capture = open_capture(folder / 'bag_0.mcap' if kind == 'mcap' else folder)
         assert len(list(capture.chunks())) == 10
 
 

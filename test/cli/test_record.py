@@ -12,7 +12,7 @@ import resource
 import signal
 import time
 
-from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.bag.open_capture import open_capture
 from bahrs_driver.cli.record import new_bag
 from bahrs_driver.convert.bahrs.converter import TOPICS
 from bahrs_driver.errors import WriteError
@@ -75,7 +75,7 @@ def counted(folder):
 
 def unbroken(folder):
     """Return how many bytes of raw there are, none of which is missing in the middle."""
-    framer, chunks = Framer(BahrsFormat()), read_capture(folder).chunks()
+    framer, chunks = Framer(BahrsFormat()), open_capture(folder).chunks()
     frames = [frame for chunk in chunks for frame in framer.feed(chunk.data)]
     assert framer.counters.skipped_bytes == frames[0].offset
     return framer.received
@@ -223,7 +223,7 @@ def test_a_driver_that_waits_for_the_recorder(tmp_path):
     assert result['lost'] == 0
     assert set(result['missed_before_discovery']) <= {'/diagnostics', '/rosout'}
     framer, codec = Framer(BahrsFormat()), BahrsCodec()
-    first = codec.decode(next(frame for chunk in read_capture(bag).chunks()
+    first = codec.decode(next(frame for chunk in open_capture(bag).chunks()
                               for frame in framer.feed(chunk.data)))
     # The force along x is the number of the message.
     assert first.specific_force[0] == pytest.approx(0.0, abs=FORCE / 2)

@@ -8,7 +8,7 @@ import os
 import signal
 import time
 
-from bahrs_driver.bag.bag_output import BagWriter
+from bahrs_driver.bag.bag_writer import BagWriter
 from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.bag.serialization import serialized
 from bahrs_driver.bag.topics import Topic

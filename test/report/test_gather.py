@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the arrays and findings of a recording."""
 
-from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.bag.open_capture import open_capture
 from bahrs_driver.emulator.measurement_errors import MeasurementErrors
 from bahrs_driver.protocol.bahrs.messages import Inertial
 from bahrs_driver.protocol.integrity import Integrity
@@ -73,8 +73,8 @@ def test_a_host_clock_that_was_set():
     class Stepped(MadeUp):
         def chunks(self):
             for chunk in super().chunks():
-                late = chunk.read_at > 1_700_000_015_000_000_000
-                yield chunk._replace(read_at=chunk.read_at + 5_000_000_000 * late)
+                late = chunk.ros_ns > 1_700_000_015_000_000_000
+                yield chunk._replace(ros_ns=chunk.ros_ns + 5_000_000_000 * late)
 
     analysis = analyze_clock(gathered(Stepped(make_emulation(), 30.0)))
     assert analysis.host_steps == 1 and analysis.late_99 < 0.02
@@ -86,9 +86,9 @@ def test_a_host_that_stalled():
         def chunks(self):
             held, until = b'', 1_700_000_018_000_000_000
             for chunk in super().chunks():
-                at, held = chunk.read_at, held + chunk.data
+                at, held = chunk.ros_ns, held + chunk.data
                 if not until - 1_500_000_000 < at < until:
-                    yield chunk._replace(data=held, raw_at=at - 10 ** 18)
+                    yield chunk._replace(data=held, raw_ns=at - 10 ** 18)
                     held = b''
 
     analysis = analyze_clock(gathered(Stalled(make_emulation(make_device(drift_ppm=40.0)), 30.0)))
@@ -102,9 +102,9 @@ def test_a_host_clock_that_was_set_beside_one_that_nobody_sets():
     class Stepped(MadeUp):
         def chunks(self):
             for chunk in super().chunks():
-                late = chunk.read_at > 1_700_000_015_000_000_000
-                yield chunk._replace(read_at=chunk.read_at - 2_000_000 * late,
-                                     raw_at=chunk.read_at - 10 ** 18)
+                late = chunk.ros_ns > 1_700_000_015_000_000_000
+                yield chunk._replace(ros_ns=chunk.ros_ns - 2_000_000 * late,
+                                     raw_ns=chunk.ros_ns - 10 ** 18)
 
     analysis = analyze_clock(gathered(Stepped(make_emulation(), 30.0)))
     assert analysis.host_steps == 1 and analysis.late_99 < 0.02
@@ -175,7 +175,7 @@ def test_a_restart():
 
 def test_the_real_recording():
     """What is known of it is found: a device at rest, without a heading, that paused once."""
-    recording = gathered(read_capture(shared_file('data/bahrs_recording_v2.bin')))
+    recording = gathered(open_capture(shared_file('data/bahrs_recording_v2.bin')))
     assert recording.counts['inertial'] == 47_837 and recording.versions == {2: 78_932}
     assert 'Magnetic heading: unavailable throughout.' in sentences(recording, WARNING)
     assert 'nothing for 2.7 s' in sentences(recording, NOTICE)

@@ -5,7 +5,7 @@
 import random
 import warnings
 
-from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.bag.open_capture import open_capture
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec
 from bahrs_driver.protocol.bahrs.messages import (
     Accuracy,
@@ -52,7 +52,7 @@ def made(tmp_path, data):
     path.write_bytes(data)
     with warnings.catch_warnings():
         warnings.simplefilter('error')
-        return ''.join(page(gathered(read_capture(path))))
+        return ''.join(page(gathered(open_capture(path))))
 
 
 @pytest.mark.parametrize('messages', ODD.values(), ids=ODD)

@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 import re
 from xml.etree import ElementTree
 
-from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.bag.open_capture import open_capture
 from bahrs_driver.emulator.flights import SteadyTurn
 from bahrs_driver.emulator.measurement_errors import DEVIATIONS, MeasurementErrors
 from bahrs_driver.process.printable import printable
@@ -93,7 +93,7 @@ def test_a_flight_has_no_noise_at_rest():
 @pytest.mark.slow
 def test_noise_of_the_real_recording():
     """Four minutes: no random walk is read off, and no line at half the sample rate."""
-    text = ''.join(page(gathered(read_capture(shared_file('data/bahrs_recording_v2.bin')))))
+    text = ''.join(page(gathered(open_capture(shared_file('data/bahrs_recording_v2.bin')))))
     rows = {name: tuple(re.findall('<td>(.*?)</td>', cells)) for name, cells in re.findall(
         '<tr><td>([^<]*)</td>((?:<td>[^<]*</td>){3})</tr>', text)}
     for name in ('rate: K, rate random walk [°/h/√h]', 'force: K, random walk [m/s²/√h]'):

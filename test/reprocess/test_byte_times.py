@@ -52,10 +52,10 @@ def stamped(data, start=None, size=1000, label='auto', latency=0):
     pipeline, found, chunks = make_pipeline(timed.clock(latency)), [], []
     for chunk in timed.chunks():
         chunks.append(chunk)
-        found += pipeline.feed(chunk.data, Instant(chunk.read_at, chunk.read_at))
+        found += pipeline.feed(chunk.data, Instant(chunk.ros_ns, chunk.ros_ns))
     found += pipeline.close()
     assert b''.join(chunk.data for chunk in chunks) == data
-    assert [chunk.read_at for chunk in chunks] == sorted(chunk.read_at for chunk in chunks)
+    assert [chunk.ros_ns for chunk in chunks] == sorted(chunk.ros_ns for chunk in chunks)
     return found
 
 

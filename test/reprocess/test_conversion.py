@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 
 from bahrs_driver.bag.capture import Chunk
-from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.bag.open_capture import open_capture
 from bahrs_driver.convert.bahrs.converter import TOPICS
 from bahrs_driver.convert.titan_m.converter import TOPICS as TITAN_TOPICS
 from bahrs_driver.devices.registry import DEVICES
@@ -15,9 +15,9 @@ from bahrs_driver.protocol.bahrs.frames import BahrsCodec
 from bahrs_driver.protocol.bahrs.messages import InertialTime, NvmPage
 from bahrs_driver.protocol.bahrs.nvm_session import PAGE_SIZE
 from bahrs_driver.protocol.titan_m.messages import StateRequest
-from bahrs_driver.reprocess import log_order
+from bahrs_driver.reprocess import ordered_writer
 from bahrs_driver.reprocess.conversion import Conversion
-from bahrs_driver.reprocess.log_order import LogOrder
+from bahrs_driver.reprocess.ordered_writer import OrderedWriter
 import pytest
 from support.conversions import converted, flight, Kept, ORIGIN, Pieces, S, stamps
 from support.emulated import decoded, emissions, make_device
@@ -48,10 +48,10 @@ def test_pages_of_the_memory(tmp_path):
     page = bytes(range(PAGE_SIZE))
     *before, last = chunks
     later = last._replace(data=BahrsCodec().encode(NvmPage(3, page), 3, 'crc32'),
-                          read_at=last.read_at + S, raw_at=last.raw_at + S)
+                          ros_ns=last.ros_ns + S, raw_ns=last.raw_ns + S)
     kept, _ = converted(Pieces([*before, last, later], tmp_path))
     ((time, message),) = kept.messages['nvm/page']
-    assert message.data.tobytes() == page and time == later.read_at
+    assert message.data.tobytes() == page and time == later.ros_ns
     assert message.layout.dim[0].label == 'page=3'
 
 
@@ -59,8 +59,8 @@ def test_diagnostics_tell_of_the_flight(tmp_path):
     """At the flight's own times: what was damaged, when nothing came, and that all is well."""
     chunks, _ = flight(14.0)
     damaged = [chunk._replace(data=chunk.data[:-3] + b'xyz')
-               if 4 * S < chunk.read_at - ORIGIN < 4.5 * S else chunk
-               for chunk in chunks if not 8 * S < chunk.read_at - ORIGIN < 10 * S]
+               if 4 * S < chunk.ros_ns - ORIGIN < 4.5 * S else chunk
+               for chunk in chunks if not 8 * S < chunk.ros_ns - ORIGIN < 10 * S]
     kept, _ = converted(Pieces(damaged, tmp_path))
     reports = [(time - ORIGIN, {status.name: status for status in array.status})
                for time, array in kept.messages['/diagnostics']]
@@ -82,7 +82,7 @@ def test_diagnostics_tell_of_the_flight(tmp_path):
 def test_a_host_that_was_set(tmp_path):
     """The stamps before are of the old time, those after of the new, none is between."""
     chunks, truth = flight(4.0)
-    chunks = [chunk._replace(read_at=chunk.read_at + 3600 * S) if index >= 100 else chunk
+    chunks = [chunk._replace(ros_ns=chunk.ros_ns + 3600 * S) if index >= 100 else chunk
               for index, chunk in enumerate(chunks)]
     kept, _ = converted(Pieces(chunks, tmp_path))
     errors = {round((stamp - true) / S) for stamp, true in zip(stamps(kept), truth)}
@@ -92,8 +92,8 @@ def test_a_host_that_was_set(tmp_path):
 def set_clock(chunks, sets, steady=True):
     """Return chunks of a host whose clock was set, each time from some chunk on, by seconds."""
     return [chunk._replace(
-        read_at=chunk.read_at + S * sum(size for begin, size in sets if index >= begin),
-        raw_at=chunk.raw_at if steady else None) for index, chunk in enumerate(chunks)]
+        ros_ns=chunk.ros_ns + S * sum(size for begin, size in sets if index >= begin),
+        raw_ns=chunk.raw_ns if steady else None) for index, chunk in enumerate(chunks)]
 
 
 @functools.cache
@@ -140,7 +140,7 @@ def test_a_port_that_was_lost(tmp_path):
     chunks, truth = flight(4.0)
     cut = [chunk if index != 100 else chunk._replace(data=chunk.data[:5])
            for index, chunk in enumerate(chunks[:101])]
-    again = [chunk._replace(opening=2) for chunk in chunks[110:]]
+    again = [chunk._replace(connection_id=2) for chunk in chunks[110:]]
     kept, outcome = converted(Pieces(cut + again, tmp_path))
     states = [message.status[0].message for _, message in kept.messages['integrity']]
     assert states.count('not_heard') == 1 and states[-1] != 'not_heard'
@@ -156,7 +156,7 @@ def test_bytes_without_times(tmp_path):
     data += b''.join(item.data for item in emissions(device, 10.0))
     file = tmp_path / 'flight.bin'
     file.write_bytes(data)
-    kept, outcome = converted(read_capture(file))
+    kept, outcome = converted(open_capture(file))
     plain = stamps(kept)
     assert 'raw' not in kept.messages
     times = [message.device_time_us * 1000 for message in decoded(data)
@@ -166,7 +166,7 @@ def test_bytes_without_times(tmp_path):
     assert all(abs(later - earlier - 5_000_000) < 1000
                for earlier, later in zip(first, first[1:]))
     assert plain == sorted(set(plain)) and 5 * S < plain[-1] < 15 * S
-    started, _ = converted(read_capture(file), ORIGIN)
+    started, _ = converted(open_capture(file), ORIGIN)
     assert [stamp - plain[0] for stamp in plain] == [
         stamp - stamps(started)[0] for stamp in stamps(started)]
     assert ORIGIN in stamps(started)
@@ -180,7 +180,7 @@ def test_bytes_without_any_time_message(tmp_path):
         if not hasattr(message, 'device_time_us')]
     file = tmp_path / 'flight.bin'
     file.write_bytes(b''.join(frames))
-    kept, _ = converted(read_capture(file))
+    kept, _ = converted(open_capture(file))
     assert len(kept.messages['imu/data_raw']) > 200
     assert all(math.isfinite(time) for time in kept.times)
 
@@ -221,15 +221,15 @@ def test_answers_of_which_the_requests_are_not_known(tmp_path):
 
 def test_a_capture_whose_time_stands_still_is_converted_in_little_memory(tmp_path, monkeypatch):
     """What is held until it is in order is limited in number, too; nothing of it is lost."""
-    write_until, held = LogOrder.write_until, []
+    write_until, held = OrderedWriter.write_until, []
 
-    def recorded(order, now):
-        write_until(order, now)
-        held.append(len(order._heap))
+    def recorded(output, *now):
+        write_until(output, *now)
+        held.append(len(output._held._heap))
 
-    monkeypatch.setattr(log_order, 'MOST_HELD', 200)
-    monkeypatch.setattr(LogOrder, 'write_until', recorded)
-    chunks = [chunk._replace(read_at=ORIGIN, raw_at=5 * S) for chunk in flight(4.0)[0]]
+    monkeypatch.setattr(ordered_writer, 'MOST_HELD', 200)
+    monkeypatch.setattr(OrderedWriter, 'write_until', recorded)
+    chunks = [chunk._replace(ros_ns=ORIGIN, raw_ns=5 * S) for chunk in flight(4.0)[0]]
     conversion = Conversion(Pieces(chunks, tmp_path), settings_of(), DEVICES['bahrs'])
     kept = Kept()
     conversion.run(kept, lambda what: None)

@@ -24,7 +24,7 @@ def reports(chunks):
 
 def noise(chunk):
     """Return as many bytes that are no frames, read at the same time."""
-    return chunk._replace(data=random.Random(chunk.read_at).randbytes(len(chunk.data)))
+    return chunk._replace(data=random.Random(chunk.ros_ns).randbytes(len(chunk.data)))
 
 
 @pytest.mark.slow
@@ -34,10 +34,10 @@ def noise(chunk):
 def test_no_task_is_content_while_no_data_comes(begin, seconds, junk, reopened):
     """Whether bytes come that are no frames, or none; whether the port was opened again."""
     first, last = ORIGIN + round(begin * S), ORIGIN + round((begin + seconds) * S)
-    quiet = [chunk for chunk in FLIGHT if first < chunk.read_at < last]
+    quiet = [chunk for chunk in FLIGHT if first < chunk.ros_ns < last]
     found = reports([
-        *(chunk for chunk in FLIGHT if chunk.read_at <= first), *map(noise, quiet if junk else []),
-        *(chunk._replace(opening=1 + reopened) for chunk in FLIGHT if chunk.read_at >= last)])
+        *(chunk for chunk in FLIGHT if chunk.ros_ns <= first), *map(noise, quiet if junk else []),
+        *(chunk._replace(connection_id=1 + reopened) for chunk in FLIGHT if chunk.ros_ns >= last)])
     while_quiet = [(count, content) for time, count, content in found
                    if first + QUIET * S < time < last]
     assert len(while_quiet) >= int(seconds - QUIET)

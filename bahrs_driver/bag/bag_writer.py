@@ -5,8 +5,8 @@ Write a rosbag2 directory with MCAP files.
 
 The writer of `rosbags` buffers a megabyte, which is a minute and a half of raw bytes, and writes
 metadata.yaml only at the end; a recorder that is killed would lose both. Here the caller closes
-chunks at any time, the file is complete after each (see `sealed_file`), and metadata.yaml exists
-from the beginning.
+chunks at any time, the file is complete after each (see `crash_safe_file`), and metadata.yaml
+exists from the beginning.
 """
 
 from collections.abc import Callable, Iterable
@@ -14,8 +14,8 @@ import contextlib
 from pathlib import Path
 from types import TracebackType
 
-from bahrs_driver.bag.metadata import as_yaml, Span, write_metadata
-from bahrs_driver.bag.sealed_file import SealedFile
+from bahrs_driver.bag.crash_safe_file import CrashSafeFile
+from bahrs_driver.bag.metadata import as_yaml, FileInformation, write_metadata
 from bahrs_driver.bag.topics import definition, Topic
 from bahrs_driver.errors import WriteError
 from bahrs_driver.files.guard import guard
@@ -46,7 +46,7 @@ class BagWriter:
         with guard(folder):
             self._name = _file_name(name or self.folder.resolve().name)
         self._topics: dict[str, Topic] = {}
-        self._files: list[Span] = []
+        self._files: list[FileInformation] = []
         self._broken = False
         make_directory(self.folder)
         try:
@@ -65,11 +65,6 @@ class BagWriter:
     def size(self) -> int:
         """Bytes in the present file."""
         return self._stream.tell()
-
-    @property
-    def span(self) -> Span:
-        """Topics and times of the present file."""
-        return self._files[-1]
 
     def files(self) -> list[str]:
         """Return the names of the files."""
@@ -130,9 +125,9 @@ class BagWriter:
 
     def _begin_file(self) -> None:
         name = f'{self._name}_{len(self._files)}.mcap'
-        self._files.append(Span(name))
+        self._files.append(FileInformation(name))
         with guard(self.folder / name):
-            self._stream = SealedFile(self.folder / name, _end())
+            self._stream = CrashSafeFile(self.folder / name, _trailer())
         self._writer = Writer(self._stream, CHUNK_SIZE,  # type: ignore[arg-type]
                               CompressionType.ZSTD)
         self._writer.start('ros2', LIBRARY)
@@ -174,7 +169,7 @@ def _file_name(folder_name: str) -> str:
                    for character in folder_name) or 'bag'
 
 
-def _end() -> bytes:
+def _trailer() -> bytes:
     """Return the bytes that complete an MCAP file: an end without a summary."""
     builder = RecordBuilder()
     DataEnd(0).write(builder)

@@ -11,12 +11,10 @@ from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.bag.compression import decompress_message
 from bahrs_driver.bag.damage import MESSAGE
 from bahrs_driver.bag.read_metadata import END_OF_TIME, parse_label, ReadMetadata
-from bahrs_driver.bag.stored_message import LARGEST_PART, RAW_TYPE, StoredMessage
+from bahrs_driver.bag.stored_message import LARGEST_PART, RAW_TOPIC, RAW_TYPE, StoredMessage
 from bahrs_driver.bag.topics import typestore
 from bahrs_driver.errors import CaptureError, DamageError
 from bahrs_driver.process.printable import printable
-
-NAME = 'raw'                # last part of the topic's name, if the user names none
 
 
 class BagCapture(Capture):
@@ -25,18 +23,18 @@ class BagCapture(Capture):
     timed = True
 
     def __init__(self, path: Path, topic: str | None) -> None:
-        """Find the topic; CaptureError if the bag has none."""
+        """Open the topic, or that of any name `raw`; CaptureError if the bag has none."""
         self._files = [BagFile(file) for file in find_files(path)]
         super().__init__(path, sum(file.size for file in self._files))
         self._topic = topic
         self._others: set[str] = set()      # other topics of raw bytes
-        self._find()
+        self._read_first()
 
     def chunks(self) -> Iterator[Chunk]:
         """Yield all bytes in order; CaptureError if they cannot be read."""
         return (chunk for chunk, *_ in self._read())
 
-    def _find(self) -> None:
+    def _read_first(self) -> None:
         """Read the topic and the device from the first message that can be decoded."""
         first = next(self._read(), None)
         if first is None:
@@ -48,12 +46,12 @@ class BagCapture(Capture):
     def _why_empty(self) -> str:
         damaged = next((file.damage for file in self._files if file.damage.count(MESSAGE)), None)
         shown = printable(self.path)
-        wanted = f'topic {printable(self._topic or NAME)}'
+        wanted = f'topic {printable(self._topic or RAW_TOPIC)}'
         if damaged:
             return (f'{shown} has no message on {wanted} that can be decoded '
                     f'({damaged.reason(MESSAGE)}): record it with bahrs record or ros2 bag record')
         if self._topic and self._others:
-            return f'{shown} has no {wanted} of type {RAW_TYPE}, but {_listed(self._others)}'
+            return f'{shown} has no {wanted} of type {RAW_TYPE}, but {_joined(self._others)}'
         if self.notes:
             return self.notes[0]
         return (f'{shown} has no {wanted} of type {RAW_TYPE}: record it with the parameter '
@@ -67,23 +65,21 @@ class BagCapture(Capture):
             before = self.done
             for message in file.messages():
                 self.done = before + file.done
-                if self._is_wanted(message.topic):
-                    with file.damage.leaving_out(MESSAGE):
+                is_raw = message.topic.rpartition('/')[2] == RAW_TOPIC
+                if is_raw if self._topic is None else _same(message.topic, self._topic):
+                    with file.damage.skip_if_damaged(MESSAGE):
                         yield _decode(message)
+                elif is_raw:
+                    self._others.add(message.topic)
             self.done = before + file.size
             self.notes.extend(file.damage.sentences())
         if self._others:
             self.notes.append(f'{printable(self.path)} has other topics of raw bytes, too, which '
-                              f'were left out: {_listed(self._others)}')
+                              f'were left out: {_joined(self._others)}')
 
-    def _is_wanted(self, topic: str) -> bool:
-        named = topic.rpartition('/')[2] == NAME
-        if self._topic is None:
-            return named
-        wanted = topic.strip('/') == self._topic.strip('/')
-        if named and not wanted:
-            self._others.add(topic)
-        return wanted
+
+def _same(topic: str, other: str) -> bool:
+    return topic.strip('/') == other.strip('/')
 
 
 def _decode(message: StoredMessage) -> tuple[Chunk, ReadMetadata | None, str]:
@@ -109,5 +105,5 @@ def _deserialize(data: bytes) -> Any:
         raise DamageError(f'it is cut, or not of type {RAW_TYPE}') from error
 
 
-def _listed(topics: set[str]) -> str:
+def _joined(topics: set[str]) -> str:
     return printable(', '.join(sorted(topics)))

@@ -9,7 +9,7 @@ import struct
 import subprocess
 
 from bahrs_driver.bag import bag_files, sqlite_input
-from bahrs_driver.bag.read_capture import read_capture
+from bahrs_driver.bag.open_capture import open_capture
 from bahrs_driver.bag.stored_message import LARGEST_PART
 from bahrs_driver.errors import CaptureError
 from mcap.data_stream import RecordBuilder
@@ -34,36 +34,36 @@ def test_every_form_of_a_bag(tmp_path):
     files = every_form(tmp_path)
     assert len(files) == 10
     for file in files:
-        read = read_capture(file)
+        read = open_capture(file)
         assert list(read.chunks()) == list(read.chunks()) == CHUNKS, file
         assert (read.done, read.notes, read.sensor) == (read.size, [], 'bahrs')
-        assert file.parent == tmp_path or list(read_capture(file.parent).chunks()) == CHUNKS
+        assert file.parent == tmp_path or list(open_capture(file.parent).chunks()) == CHUNKS
 
 
 def test_a_bag_by_another_name(tmp_path):
     """What a file is shows in its first bytes."""
     for file in every_form(tmp_path):
-        assert list(read_capture(file.rename(tmp_path / 'flight.bin')).chunks()) == CHUNKS
+        assert list(open_capture(file.rename(tmp_path / 'flight.bin')).chunks()) == CHUNKS
 
 
 def test_a_file_that_was_being_compressed(tmp_path):
     """The one that is not compressed is whole."""
     folder = write_bag(tmp_path / 'bag', StoragePlugin.MCAP)
     (folder / 'bag.mcap.zstd').write_bytes(zstandard.compress(b'half')[:-1])
-    assert list(read_capture(folder).chunks()) == CHUNKS
+    assert list(open_capture(folder).chunks()) == CHUNKS
 
 
 def test_sqlite_in_the_order_of_writing(tmp_path):
     """And not in that of log times, which go back where the clock was set."""
     items = [(10 ** 18 - index, data) for index, (_, data) in enumerate(messages())]
     bag = write_bag(tmp_path / 'bag', StoragePlugin.SQLITE3, items=items)
-    assert list(read_capture(bag).chunks()) == CHUNKS
+    assert list(open_capture(bag).chunks()) == CHUNKS
 
 
 def test_sqlite_of_a_recorder_that_was_killed(tmp_path):
     """What is still in its log is read, and nothing is left beside a bag that has none."""
     bag = write_bag(tmp_path / 'bag', StoragePlugin.SQLITE3, items=messages()[:4])
-    assert len(list(read_capture(bag).chunks())) == 4
+    assert len(list(open_capture(bag).chunks())) == 4
     assert {file.name for file in bag.iterdir()} == {'bag.db3', 'metadata.yaml'}
     connection = sqlite3.connect(bag / 'bag.db3')
     connection.execute('PRAGMA journal_mode=WAL')
@@ -73,7 +73,7 @@ def test_sqlite_of_a_recorder_that_was_killed(tmp_path):
     killed = shutil.copytree(bag, tmp_path / 'killed')
     connection.close()
     assert (killed / 'bag.db3-wal').exists()
-    assert list(read_capture(killed).chunks()) == CHUNKS
+    assert list(open_capture(killed).chunks()) == CHUNKS
 
 
 @pytest.mark.parametrize('name, reason', [
@@ -81,7 +81,7 @@ def test_sqlite_of_a_recorder_that_was_killed(tmp_path):
 def test_a_message_that_cannot_be_decoded(name, reason):
     """Alone it is one sentence."""
     with pytest.raises(CaptureError, match=f'no message on topic raw that can be .*{reason}'):
-        read_capture(shared_file(f'cases/{name}.mcap'))
+        open_capture(shared_file(f'cases/{name}.mcap'))
 
 
 @pytest.mark.parametrize('plugin', StoragePlugin)
@@ -92,7 +92,7 @@ def test_bad_messages_among_good_ones(tmp_path, plugin, bad):
     items = messages()
     for place in (10, 5, 0):
         items.insert(place, (10 ** 18 + 1000 + place, bad))
-    read = read_capture(write_bag(tmp_path / 'bag', plugin, items=items))
+    read = open_capture(write_bag(tmp_path / 'bag', plugin, items=items))
     assert list(read.chunks()) == CHUNKS
     assert len(read.notes) == 1 and '3 messages left out as damaged (it ' in read.notes[0]
 
@@ -105,8 +105,8 @@ def test_times_that_ros_does_not_have(tmp_path):
         plain = serialize_message(UInt8MultiArray())
         for time in (5, 2 ** 31 * 10 ** 9, 2 ** 63 - 1):
             writer.write(connection, time, plain)
-    read = read_capture(path)
-    assert [chunk.read_at for chunk in read.chunks()] == [5]
+    read = open_capture(path)
+    assert [chunk.ros_ns for chunk in read.chunks()] == [5]
     assert '2 messages left out' in read.notes[0] and '2038' in read.notes[0]
 
 
@@ -118,7 +118,7 @@ def test_a_damaged_chunk(tmp_path):
     for label in (b'opening=1 byte_ns=86805 ros_ns=1000000000000000000 ', b'raw_ns=5000000004'):
         place = content.index(label)
         file.write_bytes(content[:place] + b'X' + content[place + 1:])
-        read = read_capture(file)
+        read = open_capture(file)
         assert len(list(read.chunks())) == 9
         assert read.notes == [f'{file}: 1 chunk left out as damaged (its checksum is wrong)']
     assert end < len(content)
@@ -164,7 +164,7 @@ def test_sqlite_claims(tmp_path, monkeypatch):
     items = [*messages(), (10 ** 18, bytes(longest + 1))]
     bag = write_bag(tmp_path / 'bag', StoragePlugin.SQLITE3, items=items)
     monkeypatch.setattr(sqlite_input, 'LARGEST_PART', longest)
-    read = read_capture(bag)
+    read = open_capture(bag)
     assert list(read.chunks()) == CHUNKS and '1 message left out' in read.notes[0]
 
 
@@ -175,7 +175,7 @@ def test_a_compressed_database_that_expands_too_far(tmp_path, monkeypatch):
     monkeypatch.setattr(bag_files, 'MAX_RATIO', 2)
     monkeypatch.setattr('tempfile.tempdir', str(tmp_path))
     with pytest.raises(CaptureError, match='expands to more than .*zstd -d'):
-        read_capture(bag)
+        open_capture(bag)
     assert [file.name for file in tmp_path.iterdir()] == ['bag']
 
 
@@ -188,16 +188,16 @@ def test_a_database_whose_messages_are_computed(tmp_path):
             'CREATE VIEW messages AS WITH RECURSIVE n(id) AS (SELECT 1 UNION ALL '
             'SELECT id + 1 FROM n) SELECT id, 1 AS topic_id, 1 AS timestamp, NULL AS data FROM n')
     with pytest.raises(CaptureError, match='has no tables of a bag'):
-        read_capture(file)
+        open_capture(file)
 
 
 def test_topics_are_printable(tmp_path):
     """A name in a bag commands no terminal."""
     bag = write_bag(tmp_path / 'bag', StoragePlugin.MCAP, ('/\x1bc/raw', '/two/raw'))
     with pytest.raises(CaptureError) as caught:
-        read_capture(bag, '/none')
+        open_capture(bag, '/none')
     assert r'/\x1bc/raw' in str(caught.value)
-    read = read_capture(bag, '/two/raw')
+    read = open_capture(bag, '/two/raw')
     assert list(read.chunks()) == CHUNKS and str(read.notes[0]).isprintable()
 
 
@@ -208,5 +208,5 @@ def test_lengths_beyond_the_file(tmp_path, claim, kind):
     file = tmp_path / 'bag.mcap'
     end = write_mcap(file)
     file.write_bytes(file.read_bytes()[:end] + struct.pack('<BQ', kind, claim))
-    read = read_capture(file)
+    read = open_capture(file)
     assert len(list(read.chunks())) in (9, 10) and 'ends early' in read.notes[-1]

@@ -4,8 +4,8 @@
 A file that is complete after each flush.
 
 Most readers refuse an MCAP file without its end, and a recorder that is killed, or whose machine
-loses power, writes no end. So each flush writes the pending bytes and an end, in one call; the
-next flush begins where that end began. If the disk is full, the pending bytes are dropped, and the
+loses power, writes no end. So each flush writes the pending bytes and a trailer, in one call; the
+next flush overwrites that trailer. If the disk is full, the pending bytes are dropped, and the
 file ends where it ended before.
 """
 
@@ -17,22 +17,22 @@ from bahrs_driver.errors import WriteError
 from bahrs_driver.files.guard import check_target, sentence
 
 
-class SealedFile:
+class CrashSafeFile:
     """A file to append to, with the methods that a writer of streams needs."""
 
-    def __init__(self, path: Path, end: bytes) -> None:
+    def __init__(self, path: Path, trailer: bytes) -> None:
         """
-        Create the file, which the bytes of end complete; OSError if it cannot be created.
+        Create the file, which the trailer completes; OSError if it cannot be created.
 
-        It gets its name with the first flush; the hidden name before is not one of a bag.
+        It has a hidden name, which is not one of a bag, until the first flush.
         """
         self._path = path
         self._hidden: Path | None = path.with_name(f'.{path.name}.partial')
-        self._seal = end
+        self._trailer = trailer
         self._pending = bytearray()
-        self._end_offset = 0             # offset at which the end begins
-        how = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
-        self._file = os.open(self._hidden, how, 0o666)
+        self._written = 0               # bytes before the trailer
+        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
+        self._file = os.open(self._hidden, flags, 0o666)
 
     def write(self, data: bytes) -> int:
         """Append bytes, which the next flush writes into the file."""
@@ -46,20 +46,20 @@ class SealedFile:
 
     def tell(self) -> int:
         """Return the offset of the next byte."""
-        return self._end_offset + len(self._pending)
+        return self._written + len(self._pending)
 
     def flush(self) -> None:
-        """Write all bytes and the end; after a WriteError the file is as before."""
-        self._put(self._seal)
+        """Write all bytes and the trailer; after a WriteError the file is as before."""
+        self._write_pending(self._trailer)
 
     def sync(self) -> None:
         """Make flushed bytes survive a loss of power."""
         os.fdatasync(self._file)
 
     def finish(self) -> None:
-        """Write all bytes, which include an end, and close; WriteError as in flush."""
+        """Write all bytes, which need no trailer, and close; WriteError as in flush."""
         try:
-            self._put(b'')
+            self._write_pending(b'')
             self.sync()
         finally:
             self.close()
@@ -70,20 +70,20 @@ class SealedFile:
             os.close(self._file)
             self._file = -1
 
-    def _put(self, end: bytes) -> None:
-        data, self._pending = bytes(self._pending) + end, bytearray()
+    def _write_pending(self, trailer: bytes) -> None:
+        data, self._pending = bytes(self._pending), bytearray()
         try:
-            _write(self._file, data, self._end_offset)
+            _write(self._file, data + trailer, self._written)
             if self._hidden:
                 check_target(str(self._path), self._path, replace=False)
                 self._hidden.replace(self._path)
                 self._hidden = None
         except OSError as error:
             with contextlib.suppress(OSError):
-                os.ftruncate(self._file, self._end_offset)
-                _write(self._file, self._seal, self._end_offset)
+                os.ftruncate(self._file, self._written)
+                _write(self._file, self._trailer, self._written)
             raise WriteError(sentence(error, self._path)) from error
-        self._end_offset += len(data) - len(end)
+        self._written += len(data)
 
 
 def _write(file: int, data: bytes, offset: int) -> None:

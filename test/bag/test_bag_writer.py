@@ -8,9 +8,9 @@ from pathlib import Path
 import resource
 import shutil
 
-from bahrs_driver.bag.bag_output import BagWriter
-from bahrs_driver.bag.sealed_file import SealedFile
-from bahrs_driver.bag.topics import profile, Topic
+from bahrs_driver.bag.bag_writer import BagWriter
+from bahrs_driver.bag.crash_safe_file import CrashSafeFile
+from bahrs_driver.bag.topics import qos_profile, Topic
 from bahrs_driver.errors import WriteError
 from mcap.reader import make_reader
 import pytest
@@ -20,7 +20,7 @@ from rosbags.rosbag2 import Reader
 from std_msgs.msg import Float64
 import yaml
 
-LATCHED = profile('keep_last', 100, 'reliable', 'transient_local')
+LATCHED = qos_profile('keep_last', 100, 'reliable', 'transient_local')
 TOPICS = [Topic('/heading', 'std_msgs/msg/Float64', (LATCHED,)),
           Topic('/uav/raw', 'std_msgs/msg/UInt8MultiArray', ())]
 START = 1_700_000_000_000_000_000
@@ -116,7 +116,7 @@ def test_killed_at_any_time(tmp_path):
 
 def test_no_file_before_it_is_whole(tmp_path):
     """Who looks for the files of a bag never finds one that has no end, or that vanishes."""
-    file = SealedFile(tmp_path / 'bag_0.mcap', b'end')
+    file = CrashSafeFile(tmp_path / 'bag_0.mcap', b'end')
     file.write(b'data')
     assert not list(tmp_path.glob('*.mcap'))
     file.flush()

@@ -5,8 +5,8 @@
 from pathlib import Path
 
 from bahrs_driver.bag.capture import Capture, Chunk
+from bahrs_driver.bag.feed_capture import feed_capture
 from bahrs_driver.bag.log_clock import LogClock
-from bahrs_driver.bag.play_capture import play_capture
 from bahrs_driver.clock import ArrivalClock
 from bahrs_driver.pipeline import Pipeline
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
@@ -32,39 +32,39 @@ class Chunks(Capture):
         return iter(self._chunks)
 
 
-def play(*chunks):
+def feed(*chunks):
     """Return the pipeline, and for each chunk what came of it."""
     pipeline = Pipeline(Framer(BahrsFormat()), BahrsCodec(), ArrivalClock())
-    return pipeline, list(play_capture(Chunks(*chunks), pipeline, LogClock()))
+    return pipeline, list(feed_capture(Chunks(*chunks), pipeline, LogClock()))
 
 
-def sequences(played):
+def sequences(fed):
     """Return the sequence numbers of the messages of each chunk."""
-    return [[event.message.sequence for event in item.events] for item in played]
+    return [[event.message.sequence for event in item.events] for item in fed]
 
 
 def test_messages_come_with_the_chunk_that_completes_them():
     """Stamped by the time of its read; the end of the capture is a chunk without data."""
-    _, played = play(Chunk(FRAMES[0] + FRAMES[1][:5], START), Chunk(FRAMES[1][5:], START + 1000))
-    assert sequences(played) == [[0], [1], []]
-    assert played[0].events[0].stamp_ns == START - (SIZE + 5) * BYTE_NS
-    assert [item.moment.ros_ns for item in played] == [START, START + 1000, START + 1000]
-    assert [item.chunk.data for item in played] == [FRAMES[0] + FRAMES[1][:5], FRAMES[1][5:], b'']
-    assert not any(item.lost for item in played)
+    _, fed = feed(Chunk(FRAMES[0] + FRAMES[1][:5], START), Chunk(FRAMES[1][5:], START + 1000))
+    assert sequences(fed) == [[0], [1], []]
+    assert fed[0].events[0].stamp_ns == START - (SIZE + 5) * BYTE_NS
+    assert [item.read.ros_ns for item in fed] == [START, START + 1000, START + 1000]
+    assert [item.chunk.data for item in fed] == [FRAMES[0] + FRAMES[1][:5], FRAMES[1][5:], b'']
+    assert not any(item.disconnected for item in fed)
 
 
 def test_another_opening_of_the_port_is_another_stream():
     """Half a frame at the end of one does not join the next; a hidden frame is delivered."""
-    pipeline, played = play(
-        Chunk(FRAMES[0] + UNFINISHED + FRAMES[1], START, opening=1),
-        Chunk(FRAMES[2][:9], START + 1, opening=3),
-        Chunk(FRAMES[2][9:] + FRAMES[3], START + 2, opening=4))
-    assert sequences(played) == [[0], [1], [], [], [3], []]
-    assert [item.lost for item in played] == [False, True, False, True, False, False]
+    pipeline, fed = feed(
+        Chunk(FRAMES[0] + UNFINISHED + FRAMES[1], START, connection_id=1),
+        Chunk(FRAMES[2][:9], START + 1, connection_id=3),
+        Chunk(FRAMES[2][9:] + FRAMES[3], START + 2, connection_id=4))
+    assert sequences(fed) == [[0], [1], [], [], [3], []]
+    assert [item.disconnected for item in fed] == [False, True, False, True, False, False]
     assert pipeline.counters.streams == 3
 
 
 def test_an_empty_capture():
     """It has no stream."""
-    pipeline, played = play()
-    assert played == [] and pipeline.counters.streams == 0
+    pipeline, fed = feed()
+    assert fed == [] and pipeline.counters.streams == 0

@@ -10,7 +10,7 @@ from bahrs_driver.errors import CaptureError
 from bahrs_driver.process.printable import printable
 
 
-def read_capture(path: str | Path, topic: str | None = None) -> Capture:
+def open_capture(path: str | Path, topic: str | None = None) -> Capture:
     """
     Open a file of bytes or a bag; CaptureError if it cannot be read.
 
@@ -22,7 +22,7 @@ def read_capture(path: str | Path, topic: str | None = None) -> Capture:
         if not is_bag(path):
             with path.open('rb'):
                 return ByteFile(path, path.stat().st_size)
-        from bahrs_driver.bag.bag_input import BagCapture
+        from bahrs_driver.bag.bag_capture import BagCapture
         return BagCapture(path, topic)
     except OSError as error:
         raise CaptureError(f'cannot read {shown}: {error.strerror}') from error
