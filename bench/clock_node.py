@@ -46,7 +46,7 @@ def run(timer: str, source: str) -> Iterator[float]:
             with driver(port, time__source=source):
                 device.wait(SECONDS[source] + 60)
                 time.sleep(1.0)         # the driver notices that its port is gone
-        heard = ear.heard['imu/data_raw']
+        heard = ear.messages['imu/data_raw']
         lines = (json.loads(line) for line in truth_file.read_text().splitlines())
         truths = [line for line in lines if line.get('message') == 'inertial']
     times = [truth['host_unix_ns'] for truth in truths]

@@ -36,7 +36,8 @@ _SIZES = {Inertial: 28, Navigation: 28, Accuracy: 28, InertialTime: 20, Navigati
           SyncPulseTime: 20}
 _INERTIAL = [Inertial(i, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), ()) for i in range(256)]
 _NAVIGATION = [Navigation(i, 0.0, 0.0, 0.0, 0.0, 0.0, ()) for i in range(256)]
-_NO_FAULTS = dict.fromkeys(('bad_counters', 'bad_times', 'duplicates', 'swaps'), 0.0)
+_NO_FAULTS: dict[str, Any] = dict.fromkeys(
+    ('bad_counters', 'bad_times', 'duplicates', 'swaps'), 0.0)
 _ACCURACY = Accuracy(0, None, None, None, 0)
 
 

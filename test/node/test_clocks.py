@@ -12,11 +12,12 @@ import pytest
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rosgraph_msgs.msg import Clock
-from support.devices import Device, DIAGNOSTICS, known, says
+from support.devices import call, client_of, Device, DIAGNOSTICS, says
 from support.processes import driver, listening, PATIENCE, wait_for
 from support.random_starts import random_starts
 from support.set_clock import SettableClock
 
+SET_PARAMETERS = '/bahrs_driver/set_parameters'
 HOUR = 3600.0
 HERE = 60.0             # s from the present that is the host's time, not that of a simulation
 
@@ -34,13 +35,8 @@ def goes_on(ear, topic='/diagnostics', count=3):
 
 def set_parameter(ear, name, value):
     """Set a parameter of the node and return the result."""
-    client = ear.node.create_client(SetParameters, '/bahrs_driver/set_parameters')
-    known(ear)
-    assert client.wait_for_service(PATIENCE)
-    answer = client.call_async(SetParameters.Request(parameters=[Parameter(
-        name=name, value=value)]))
-    assert wait_for(answer.done)
-    return answer.result().results[0]
+    request = SetParameters.Request(parameters=[Parameter(name=name, value=value)])
+    return call(ear, SetParameters, SET_PARAMETERS, request).results[0]
 
 
 @contextlib.contextmanager
@@ -95,11 +91,9 @@ def test_simulated_time_cannot_be_set_at_run_time(cable):
 def test_a_parameter_of_an_undefined_type(cable):
     """The request fails, not the driver."""
     with listening({**TOPICS, **DIAGNOSTICS}) as ear, driver(cable.path) as node, Device(cable):
-        client = ear.node.create_client(SetParameters, '/bahrs_driver/set_parameters')
-        known(ear)
-        assert client.wait_for_service(PATIENCE)
-        client.call_async(SetParameters.Request(parameters=[Parameter(
-            name='nvm.page', value=ParameterValue(type=77))]))
+        request = SetParameters.Request(parameters=[Parameter(
+            name='nvm.page', value=ParameterValue(type=77))])
+        client_of(ear, SetParameters, SET_PARAMETERS).call_async(request)
         goes_on(ear)
         goes_on(ear, 'imu/data')
         result = set_parameter(ear, 'nvm.page', ParameterValue(

@@ -18,8 +18,8 @@ from bahrs_driver.virtual_serial.pty_port import PtyPort
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_msgs.srv import SelfTest
 import pytest
-from support.devices import Device, DIAGNOSTICS, known, SAFE, says, status
-from support.processes import driver, listening, PATIENCE, running, wait_for
+from support.devices import call, Device, DIAGNOSTICS, SAFE, says, status
+from support.processes import driver, listening, running, wait_for
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
@@ -222,14 +222,8 @@ def test_what_changes_with_every_sample_is_reported_twenty_times_a_second(cable)
 def test_self_test(cable):
     """It fails on a silent device, and passes on a healthy one."""
     with listening(DIAGNOSTICS) as ear, driver(cable.path):
-        client = ear.node.create_client(SelfTest, '/bahrs_driver/self_test')
-        assert client.wait_for_service(PATIENCE)
-        known(ear)
-
         def ask():
-            future = client.call_async(SelfTest.Request())
-            assert wait_for(future.done)
-            return future.result()
+            return call(ear, SelfTest, '/bahrs_driver/self_test', SelfTest.Request())
 
         before = ask()
         assert before.passed == b'\x00' and before.id == cable.path

@@ -10,8 +10,8 @@ from bahrs_driver.convert.bahrs.converter import TOPICS
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters
-from support.devices import Device
-from support.processes import command, listening, PATIENCE, Process, running, wait_for
+from support.devices import call, Device
+from support.processes import command, listening, Process, running
 from support.starting import start
 
 CONFIG = Path(__file__).resolve().parents[2] / 'config'
@@ -26,15 +26,6 @@ def process(*words):
         yield child
     finally:
         child.end()
-
-
-def call(ear, kind, name, request):
-    """Call a service and return its response."""
-    client = ear.node.create_client(kind, name)
-    assert client.wait_for_service(PATIENCE)
-    future = client.call_async(request)
-    assert wait_for(future.done)
-    return future.result()
 
 
 def text_of(ear, node, name):

@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bags made for tests, in every form that rosbag2 writes."""
 
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
 from bahrs_driver.bag.capture import Chunk
 from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.convert import raw
@@ -16,17 +19,20 @@ STORE = get_typestore(Stores.ROS2_JAZZY)
 METADATA = [ReadMetadata('bahrs', 1 + i // 6, 86805, 10 ** 18 + i, 5 * 10 ** 9 + i)
             for i in range(10)]
 PIECES = [bytes(range(i, i + 20)) for i in range(10)]
+Items = Iterable[tuple[int, bytes]]         # log times and serialised messages
 CHUNKS = [Chunk(data, metadata.ros_ns, metadata.raw_ns, metadata.connection_id)
           for data, metadata in zip(PIECES, METADATA)]
 
 
-def messages():
+def messages() -> list[tuple[int, bytes]]:
     """Return serialised raw messages with their log times."""
     return [(metadata.ros_ns + 1000, serialize_message(raw.message(data, metadata.to_label())))
             for data, metadata in zip(PIECES, METADATA)]
 
 
-def write_bag(path, plugin, topics=('/raw',), compression=CompressionMode.NONE, items=None):
+def write_bag(path: Path, plugin: StoragePlugin, topics: Sequence[str] = ('/raw',),
+              compression: CompressionMode = CompressionMode.NONE,
+              items: Items | None = None) -> Path:
     """Write a bag with rosbags; other topics are in it, too."""
     writer = Writer(path, version=9, storage_plugin=plugin)
     writer.set_compression(compression, CompressionFormat.ZSTD)
@@ -40,7 +46,8 @@ def write_bag(path, plugin, topics=('/raw',), compression=CompressionMode.NONE, 
     return path
 
 
-def write_mcap(path, compression=CompressionType.ZSTD, chunk_size=100, items=None):
+def write_mcap(path: Path, compression: CompressionType = CompressionType.ZSTD,
+               chunk_size: int = 100, items: Items | None = None) -> int:
     """Write an MCAP file in small chunks, and return its size without its end."""
     with path.open('wb') as file:
         writer = McapWriter(file, chunk_size, compression)
@@ -51,13 +58,13 @@ def write_mcap(path, compression=CompressionType.ZSTD, chunk_size=100, items=Non
         for time, data in messages() if items is None else items:
             writer.add_message(channel, time, data, time)
         end = file.tell()
-        writer.finish()
+        writer.finish()  # type: ignore[no-untyped-call]
     return end
 
 
-def every_form(folder):
+def every_form(folder: Path) -> list[Path]:
     """Return the main file of a bag for each storage and compression that there is."""
-    files = []
+    files: list[Path] = []
     for plugin in StoragePlugin:
         for mode in CompressionMode:
             if mode == CompressionMode.STORAGE and plugin == StoragePlugin.SQLITE3:

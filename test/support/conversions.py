@@ -2,9 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Conversions of captures that are made in memory, and what they write."""
 
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
 from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.devices.registry import DEVICES
-from bahrs_driver.reprocess.conversion import Conversion
+from bahrs_driver.emulator.emulation import SentFrame
+from bahrs_driver.reprocess.conversion import Conversion, ConversionResult
 from support.emulated import make_device, make_emulation
 from support.settings_examples import settings_of
 
@@ -15,18 +20,18 @@ ORIGIN = 1_700_000_000 * S
 class Kept:
     """An output that keeps all."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         """Start with nothing."""
-        self.messages = {}
-        self.times = []
-        self.latched = set()
+        self.messages: dict[str, list[tuple[int, Any]]] = {}
+        self.times: list[int] = []
+        self.latched: set[str] = set()
 
-    def begin(self, topics, latched):
+    def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
         """Take the topics."""
         self.messages = {topic: [] for topic in topics}
         self.latched = latched
 
-    def write(self, topic, time_ns, message):
+    def write(self, topic: str, time_ns: int, message: object) -> None:
         """Keep a message."""
         self.messages[topic].append((time_ns, message))
         self.times.append(time_ns)
@@ -38,17 +43,18 @@ class Pieces(Capture):
     timed = True
     byte_ns = 86805
 
-    def __init__(self, chunks, tmp_path):
+    def __init__(self, chunks: Sequence[Chunk], tmp_path: Path) -> None:
         """Take them."""
         super().__init__(tmp_path, 1)
         self._chunks = chunks
 
-    def chunks(self):
+    def chunks(self) -> Iterator[Chunk]:
         """Return them."""
         return iter(self._chunks)
 
 
-def converted(capture, start=None, sensor='bahrs', **changes):
+def converted(capture: Capture, start: int | None = None, sensor: str = 'bahrs',
+              **changes: object) -> tuple[Kept, ConversionResult]:
     """Convert a capture; return what came and the outcome."""
     settings = settings_of(sensor, **changes).for_recording()
     kept = Kept()
@@ -57,16 +63,18 @@ def converted(capture, start=None, sensor='bahrs', **changes):
     return kept, outcome
 
 
-def stamps(kept, topic='imu/data_raw'):
+def stamps(kept: Kept, topic: str = 'imu/data_raw') -> list[int]:
     """Return the stamps of a topic in ns."""
     return [message.header.stamp.sec * S + message.header.stamp.nanosec
             for _, message in kept.messages[topic]]
 
 
-def flight(seconds=8.0):
+def flight(seconds: float = 8.0) -> tuple[list[Chunk], list[int]]:
     """Return timed chunks of an emulated device, 16 ms each, and the truth of its samples."""
     emulation = make_emulation(make_device(drift_ppm=40.0), mode=0.016)
-    chunks, sent, now = [], [], 0.0
+    chunks: list[Chunk] = []
+    sent: list[SentFrame] = []
+    now = 0.0
     while now < seconds:
         now += 0.016
         sent += emulation.advance(now)

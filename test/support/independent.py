@@ -6,6 +6,7 @@ A second, plain implementation of the BAHRS frame, and the streams that the test
 Nothing here comes from the code under test.
 """
 
+from collections.abc import Callable, Iterator, Sequence
 import struct
 
 from hypothesis import assume, settings, strategies as st
@@ -23,15 +24,17 @@ SERVICE_PAYLOADS = {(version, message_type): size for version in (1, 2, 3)
                     for message_type, size in
                     ((0xF0, 0), (0xF1, 0), (0xF2, 1), (0xF3, 33), (0xFF, 2))}
 HEADER_SIZE = 5
+Draw = st.DrawFn
+Frames = st.SearchStrategy[bytes]
 LONGEST_FRAME = 44      # an NVM page, should it come padded
 
 
-def properties(examples):
+def properties(examples: int) -> settings:
     """Return settings for so many examples."""
     return settings(max_examples=examples)
 
 
-def mpeg2(data):
+def mpeg2(data: bytes) -> int:
     """Return the CRC-32/MPEG-2 as a number, bit by bit as the document defines it."""
     register = 0xFFFFFFFF
     for byte in data:
@@ -41,12 +44,12 @@ def mpeg2(data):
     return register
 
 
-def mpeg2_words(data):
+def mpeg2_words(data: bytes) -> int:
     """Return the CRC-32/MPEG-2 over little-endian words."""
     return mpeg2(b''.join(data[i:i + 4][::-1] for i in range(0, len(data), 4)))
 
 
-def crc32(data):
+def crc32(data: bytes) -> int:
     """Return the ordinary, reflected CRC-32, bit by bit."""
     register = 0xFFFFFFFF
     for byte in data:
@@ -56,10 +59,11 @@ def crc32(data):
     return register ^ 0xFFFFFFFF
 
 
-CHECKSUMS = {'word': mpeg2_words, 'byte': mpeg2, 'crc32': crc32}
+CHECKSUMS: dict[str, Callable[[bytes], int]] = {'word': mpeg2_words, 'byte': mpeg2, 'crc32': crc32}
 
 
-def make_frame(version, message_type, payload, checksum='word', padded=True):
+def make_frame(version: int, message_type: int, payload: bytes, checksum: str = 'word',
+               padded: bool = True) -> bytes:
     """Return a whole frame."""
     body = b'NE' + struct.pack('<HB', version, message_type) + payload
     if padded:
@@ -68,7 +72,7 @@ def make_frame(version, message_type, payload, checksum='word', padded=True):
 
 
 @st.composite
-def stream_frames(draw, checksums=('word', 'byte')):
+def stream_frames(draw: Draw, checksums: Sequence[str] = ('word', 'byte')) -> bytes:
     """Draw an intact stream frame of any version, with any payload."""
     (version, message_type), size = draw(st.sampled_from(sorted(STREAM_PAYLOADS.items())))
     payload = draw(st.binary(min_size=size, max_size=size))
@@ -76,7 +80,7 @@ def stream_frames(draw, checksums=('word', 'byte')):
 
 
 @st.composite
-def service_frames(draw):
+def service_frames(draw: Draw) -> bytes:
     """Draw an intact service frame in any of the variants that the devices and tools use."""
     (version, message_type), size = draw(st.sampled_from(sorted(SERVICE_PAYLOADS.items())))
     payload = draw(st.binary(min_size=size, max_size=size))
@@ -85,13 +89,13 @@ def service_frames(draw):
     return make_frame(version, message_type, payload, checksum, padded)
 
 
-def known_frames():
+def known_frames() -> Frames:
     """Draw an intact frame of any known type."""
     return st.one_of(stream_frames(), service_frames())
 
 
 @st.composite
-def debug_frames(draw):
+def debug_frames(draw: Draw) -> bytes:
     """Draw an intact frame of the undocumented types 0xC0 and 0xC1, without a marker inside."""
     version = draw(st.sampled_from((1, 2, 3)))
     start = draw(st.binary(min_size=9, max_size=9))
@@ -106,7 +110,7 @@ def debug_frames(draw):
 
 
 @st.composite
-def flipped_frames(draw, frames):
+def flipped_frames(draw: Draw, frames: Frames) -> bytes:
     """Draw a frame with one to three of its bits flipped."""
     frame = bytearray(draw(frames))
     bits = st.integers(0, 8 * len(frame) - 1)
@@ -116,13 +120,13 @@ def flipped_frames(draw, frames):
 
 
 @st.composite
-def truncated_frames(draw):
+def truncated_frames(draw: Draw) -> bytes:
     """Draw the beginning of a frame."""
     frame = draw(known_frames() | debug_frames())
     return frame[:draw(st.integers(1, len(frame) - 1))]
 
 
-def noise():
+def noise() -> Frames:
     """Draw bytes that hold no intact frame and do what they can to look like one."""
     headers = [b'NE' + struct.pack('<HB', version, message_type)
                for version in (1, 2, 3, 4, 0x454E) for message_type in
@@ -137,7 +141,7 @@ def noise():
     return st.lists(pieces, max_size=5).map(b''.join)
 
 
-def chunks(data, sizes):
+def chunks(data: bytes, sizes: Sequence[int]) -> Iterator[bytes]:
     """Cut data into chunks of these sizes, repeated for as long as there is data."""
     position, turn = 0, 0
     while position < len(data):
@@ -146,6 +150,6 @@ def chunks(data, sizes):
         position, turn = position + size, turn + 1
 
 
-def chunk_sizes():
+def chunk_sizes() -> st.SearchStrategy[list[int]]:
     """Draw sizes for chunks."""
     return st.lists(st.integers(1, 70), min_size=1, max_size=8)

@@ -13,17 +13,18 @@ from sensor_msgs.msg import Imu
 ECHO_DEPTH = 5          # of ros2 topic echo
 
 
-def show(notice):
+def show(notice: DiagnosticArray) -> None:
     """Print the state of the navigation signals, a letter for each."""
     stamp = notice.header.stamp
     letters = ''.join(status.message[0] for status in notice.status[-5:])
     print(letters, stamp.sec * 10**9 + stamp.nanosec, flush=True)
 
 
-def main(once):
+def main(once: bool) -> None:
     """Listen as `ros2 topic echo --once` does, or to all, and to what fills the queues."""
     rclpy.init()
-    node, received = rclpy.create_node('subscriber'), []
+    node = rclpy.create_node('subscriber')
+    received: list[DiagnosticArray] = []
     node.create_subscription(
         DiagnosticArray, 'integrity', received.append if once else show,
         QoSProfile(depth=ECHO_DEPTH if once else 100,

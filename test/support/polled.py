@@ -108,7 +108,9 @@ class PolledDevice:
         events = self.pipeline.feed(data, Instant(time, time))
         for event in events:
             assert isinstance(event, Stamped), event
-            if isinstance(event.message, TitanAnswer) or not event.message.expected:
+            message = event.message
+            if isinstance(message, TitanAnswer) or (
+                    isinstance(message, Answer) and not message.expected):
                 self.received.append((self.now, event))
 
     def _ask(self) -> None:

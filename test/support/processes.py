@@ -40,12 +40,14 @@ class Process:
         self._child = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
             text=True, bufsize=1)
+        assert self._child.stdin and self._child.stdout
+        self._input, self._output = self._child.stdin, self._child.stdout
         self.lines: list[str] = []
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
     def _read(self) -> None:
-        self.lines.extend(iter(self._child.stdout.readline, ''))
+        self.lines.extend(iter(self._output.readline, ''))
 
     @property
     def text(self) -> str:
@@ -59,8 +61,8 @@ class Process:
 
     def send_line(self, line: str) -> None:
         """Write a line to its standard input."""
-        self._child.stdin.write(f'{line}\n')
-        self._child.stdin.flush()
+        self._input.write(f'{line}\n')
+        self._input.flush()
 
     @property
     def alive(self) -> bool:
@@ -82,8 +84,8 @@ class Process:
         """Wait until it ends by itself and return its exit status."""
         status = self._child.wait(timeout)
         self._reader.join(timeout)
-        self._child.stdout.close()
-        self._child.stdin.close()
+        self._output.close()
+        self._input.close()
         return status
 
 
@@ -111,6 +113,7 @@ class Listener:
     def __init__(self, topics: dict[str, type]) -> None:
         """Subscribe."""
         self.messages: dict[str, list[Any]] = defaultdict(list)
+        self.clients: dict[str, Any] = {}       # of services, by name
         self._context = Context()
         rclpy.init(context=self._context)
         self.node = rclpy.create_node('ear', context=self._context)

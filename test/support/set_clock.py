@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A host clock that tests can set back, for processes that they start."""
 
+from collections.abc import Iterator
 import contextlib
 import os
 from pathlib import Path
@@ -36,7 +37,7 @@ class SettableClock:
             os.pwrite(file.fileno(), data, 0)
 
     @contextlib.contextmanager
-    def used(self):
+    def used(self) -> Iterator['SettableClock']:
         """Let processes that are started within the block have this clock."""
         with pytest.MonkeyPatch.context() as patch:
             for name, value in self.environment.items():

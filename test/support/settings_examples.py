@@ -2,29 +2,34 @@
 # SPDX-License-Identifier: Apache-2.0
 """Settings for tests: of a device, with random values, and recorded when read."""
 
+from typing import Any
+
+from bahrs_driver.devices.parts import Parts
 from bahrs_driver.devices.registry import DEVICES, parameter_table
 from bahrs_driver.settings.group import Group
+from bahrs_driver.settings.parameter import Parameter
 from hypothesis import strategies as st
 
 
-def settings_of(sensor='bahrs', **changes):
+def settings_of(sensor: str = 'bahrs', **changes: object) -> Any:
     """Return the settings of a device, changed by the names of parameters."""
     table = parameter_table()
     return table.settings(table.values({'sensor': sensor, **changes}))[1]
 
 
-def parts_of(sensor='bahrs', **changes):
+def parts_of(sensor: str = 'bahrs', **changes: object) -> Parts:
     """Return the parts of a device, with settings changed by the names of parameters."""
     return DEVICES[sensor].parts(settings_of(sensor, **changes))
 
 
-def values_of(parameter):
+def values_of(parameter: Parameter) -> st.SearchStrategy[Any]:
     """Return a strategy for the valid values of a parameter."""
     if parameter.choices:
         return st.sampled_from(parameter.choices)
     if isinstance(parameter.default, bool):
         return st.booleans()
     if isinstance(parameter.default, int):
+        assert parameter.low is not None and parameter.high is not None
         return st.integers(int(parameter.low), int(parameter.high))
     if isinstance(parameter.default, float):
         zero = st.just(0.0) if parameter.or_zero else st.nothing()
@@ -36,11 +41,11 @@ def values_of(parameter):
 class RecordedSettings:
     """Settings that remember which of them were read, by the names of their parameters."""
 
-    def __init__(self, group, prefix='', read=None):
-        self.read = set() if read is None else read
+    def __init__(self, group: Group, prefix: str = '', read: set[str] | None = None) -> None:
+        self.read: set[str] = set() if read is None else read
         self._group, self._prefix = group, prefix
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Any:
         """Return a setting and record it, or a group whose settings are recorded, too."""
         value = getattr(self._group, name)
         if isinstance(value, Group):

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Targets of every kind to write to, and what must have become of them."""
 
+from collections.abc import Callable, Iterator
 import contextlib
 import os
 from pathlib import Path
@@ -10,9 +11,10 @@ import socket
 import stat
 
 PRECIOUS = b'precious'
+Make = Callable[[Path], object]      # puts something at a path
 
 
-def _socket(path):
+def _socket(path: Path) -> None:
     with socket.socket(socket.AF_UNIX) as listener:
         here = os.open(path.parent, os.O_RDONLY)
         try:            # by the shortest path: that of a socket has little room
@@ -21,21 +23,26 @@ def _socket(path):
             os.close(here)
 
 
-def _directory(path):
+def _directory(path: Path) -> None:
     path.mkdir()
     (path / 'kept').write_bytes(PRECIOUS)
 
 
-def _block_device(path):
+def _read_only(path: Path) -> None:
+    path.write_bytes(PRECIOUS)
+    path.chmod(0o400)
+
+
+def _block_device(path: Path) -> None:
     try:            # of a driver that no machine has
         os.mknod(path, stat.S_IFBLK | 0o666, os.makedev(120, 99))
     except PermissionError:
         os.mkfifo(path)                 # only the superuser may, and not in every container
 
 
-def _link_to(make):
+def _link_to(make: Make) -> Make:
     """Return what puts a link to what another function makes beside it."""
-    def put(path):
+    def put(path: Path) -> None:
         aside = path.with_name(f'{path.name}_aside')
         make(aside)
         path.symlink_to(aside)
@@ -43,12 +50,12 @@ def _link_to(make):
 
 
 # What can be at a path, by what puts it there.
-REGULAR = {
+REGULAR: dict[str, Make] = {
     'regular': lambda path: path.write_bytes(PRECIOUS),
     'empty': lambda path: path.touch(),
-    'read-only': lambda path: (path.write_bytes(PRECIOUS), path.chmod(0o400)),
+    'read-only': _read_only,
 }
-NOT_REGULAR = {
+NOT_REGULAR: dict[str, Make] = {
     'directory': _directory,
     'empty directory': lambda path: path.mkdir(),
     'FIFO': os.mkfifo,
@@ -76,9 +83,9 @@ IMPOSSIBLE = {
 }
 
 
-def snapshot(top):
+def snapshot(top: Path) -> dict[bytes, tuple[int, bytes | str | None]]:
     """Return all that is below a directory: kinds, links, and contents of regular files."""
-    found = {}
+    found: dict[bytes, tuple[int, bytes | str | None]] = {}
     for parent, directories, files in os.walk(top):
         for name in directories + files:
             path = Path(parent, name)
@@ -90,7 +97,7 @@ def snapshot(top):
 
 
 @contextlib.contextmanager
-def no_larger_file_than(size):
+def no_larger_file_than(size: int) -> Iterator[None]:
     """Let writing fail beyond a size, as on a full disk."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
@@ -101,7 +108,7 @@ def no_larger_file_than(size):
 
 
 @contextlib.contextmanager
-def umask(mask):
+def umask(mask: int) -> Iterator[None]:
     """Set the umask for the length of a block."""
     before = os.umask(mask)
     try:
@@ -111,7 +118,7 @@ def umask(mask):
 
 
 @contextlib.contextmanager
-def unprivileged():
+def unprivileged() -> Iterator[None]:
     """Give up the rights of the superuser, who may write everywhere, for the length of a block."""
     if os.geteuid() != 0:
         yield

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the whole clock on simulated devices whose true times are known."""
 
+from typing import Any
+
 from bahrs_driver.clock import ClockOptions
 from clock_simulation import Case, ORIGIN, plain_ros
 import pytest
@@ -11,7 +13,7 @@ SECONDS = 40.0
 
 
 @pytest.mark.parametrize('adapter', [0.016, 0.001, 'packets', 'plain'])
-def test_figures_of_each_adapter(adapter):
+def test_figures_of_each_adapter(adapter: str | float) -> None:
     """Wander and settling are within the targets."""
     outcome = simulated(Case(SECONDS, adapter))
     assert outcome.wander(10) < 25
@@ -22,7 +24,7 @@ def test_figures_of_each_adapter(adapter):
 
 
 @pytest.mark.parametrize('label, expected', [(1, 'next'), (0, 'same')])
-def test_convention_is_detected(label, expected):
+def test_convention_is_detected(label: int, expected: str) -> None:
     """Stamps are equally accurate with either convention."""
     outcome = simulated(Case(10, label=label))
     assert outcome.state.label == expected
@@ -30,7 +32,7 @@ def test_convention_is_detected(label, expected):
 
 
 @pytest.mark.parametrize('adapter', [0.016, 'packets', 'plain'])
-def test_a_restarted_device(adapter):
+def test_a_restarted_device(adapter: str | float) -> None:
     """Below 5 ms at once, 0.5 ms after a second; reported once; the skew stays known."""
     outcome = simulated(Case(SECONDS, adapter, restarts=(20.0,)))
     assert max(map(abs, outcome.within(20.3, 21.9))) < 5000
@@ -39,13 +41,13 @@ def test_a_restarted_device(adapter):
     assert outcome.notices == ["the device's clock has jumped: was the device restarted?"]
 
 
-def stepped(raw):
+def stepped(raw: int) -> int:
     """Return the ROS time of a host that is set forward at 15 s and back at 25 s."""
     since = raw - ORIGIN
     return plain_ros(raw) + 500_000_000 * (since > 15e9) - 700_000_000 * (since > 25e9)
 
 
-def test_a_host_that_is_set_is_followed_at_once():
+def test_a_host_that_is_set_is_followed_at_once() -> None:
     """Samples measured before a step and read after it have the new time; both are reported."""
     outcome = simulated(Case(SECONDS, ros=stepped))
     for begin, end in ((2, 15), (15.1, 25), (25.1, SECONDS)):
@@ -55,14 +57,14 @@ def test_a_host_that_is_set_is_followed_at_once():
                                "the host's clock was set by -0.700000 s"]
 
 
-def slewed(raw):
+def slewed(raw: int) -> int:
     """Return the ROS time of a host that is slewed by 500 ppm, and then by 8 %."""
     since = raw - ORIGIN
     return plain_ros(raw) + int(500e-6 * min(max(0, since - 15e9), 5e9)
                                 + 0.08 * min(max(0, since - 25e9), 1e9))
 
 
-def test_a_host_that_is_slewed_is_followed():
+def test_a_host_that_is_slewed_is_followed() -> None:
     """Even during the slew; at 8 % samples from before the last two reads are less accurate."""
     outcome = simulated(Case(SECONDS, ros=slewed))
     assert outcome.wander(10, 25) < 50
@@ -81,7 +83,7 @@ def test_a_host_that_is_slewed_is_followed():
     {'overload': (15.0, 30.0)},
     {'drift_ppm': -200.0},
 ], ids=str)
-def test_faults_without_effect(what):
+def test_faults_without_effect(what: dict[str, Any]) -> None:
     """The errors are as promised a few seconds after the start."""
     outcome = simulated(Case(SECONDS, **what))
     assert outcome.wander(10) < 50
@@ -90,7 +92,7 @@ def test_faults_without_effect(what):
     assert outcome.state.epochs == 1
 
 
-def test_damaged_counters_move_their_own_sample_only():
+def test_damaged_counters_move_their_own_sample_only() -> None:
     """By as many samples as may have been lost, not by what their number says."""
     outcome = simulated(Case(SECONDS, bad_counters=0.01))
     errors = outcome.within(10)
@@ -99,7 +101,7 @@ def test_damaged_counters_move_their_own_sample_only():
     assert outcome.wander(35) < 150
 
 
-def test_a_late_first_time_message():
+def test_a_late_first_time_message() -> None:
     """Samples wait for a while, then have arrival stamps until it comes."""
     outcome = simulated(Case(SECONDS, first_time_message=2.8))
     assert 200 * 2.1 < outcome.state.arrival_stamps < 200 * 2.8
@@ -109,7 +111,7 @@ def test_a_late_first_time_message():
     assert outcome.backward == outcome.future == 0
 
 
-def test_a_pause_after_the_first_time_message():
+def test_a_pause_after_the_first_time_message() -> None:
     """As in the recording; the samples before the pause do not wait for its end."""
     outcome = simulated(Case(SECONDS, pause_before=16, pause=2.7))
     assert outcome.state.epochs == 1 and outcome.state.arrival_stamps == 0
@@ -119,7 +121,7 @@ def test_a_pause_after_the_first_time_message():
 PULSED = Case(SECONDS, pulses=(10.0, 25.0))
 
 
-def test_pulses_remove_the_delay():
+def test_pulses_remove_the_delay() -> None:
     """These errors include the constant delay, even after the pulses stop."""
     outcome = simulated(PULSED, options=ClockOptions(source='sync_pulse'))
     assert max(map(abs, outcome.within(14, 25))) < 10
@@ -130,7 +132,7 @@ def test_pulses_remove_the_delay():
                                'sync pulses are missing: stamps follow the arrival of samples']
 
 
-def test_pulses_are_ignored_unless_enabled():
+def test_pulses_are_ignored_unless_enabled() -> None:
     """Diagnostics show the delay that they measure."""
     outcome = simulated(PULSED)
     assert outcome.wander(10) < 25
@@ -138,7 +140,7 @@ def test_pulses_are_ignored_unless_enabled():
     assert not outcome.notices
 
 
-def test_a_constant_delay_is_unknown_unless_configured():
+def test_a_constant_delay_is_unknown_unless_configured() -> None:
     """The delay from the sample to its first byte is 8 ms."""
     case = Case(SECONDS, delay=0.008)
     assert min(simulated(case).within(10)) > 7900

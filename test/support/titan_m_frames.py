@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Answers of a Titan-M, and the frames of a stream."""
 
-from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.protocol.framing import Frame, FrameFormat, Framer
 from bahrs_driver.protocol.titan_m.frames import AnswerFormat
 from bahrs_driver.protocol.titan_m.messages import Gps, Sensors, State
 
@@ -12,7 +12,8 @@ SENSORS = Sensors((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 20.0, (0.0, 0.0, -9.75), (0.
                   95_000.0, 12.5, (0.0, 0.0, 0.0))
 
 
-def frames_in(data, frame_format=None, size=None):
+def frames_in(data: bytes, frame_format: FrameFormat | None = None,
+              size: int | None = None) -> tuple[list[Frame], Framer]:
     """Return the frames of a stream, fed in chunks of a size, and the framer."""
     framer = Framer(frame_format or AnswerFormat())
     frames = []
