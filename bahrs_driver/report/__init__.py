@@ -4,12 +4,13 @@
 Analyze a recording, and write the page of `bahrs report`.
 
 `gather` reads it into arrays, `time_axis` computes the times of samples, `clock` compares the
-clocks of device and host, `rest` finds when the device was at rest, `allan` separates noise from
-drift, `findings` describes the results in sentences, `decimate` and `plots` draw, and `page`
-writes the page. Vectors and attitude are in the axes of the device: forward, right, down.
+clocks of device and host, `rest` finds when the device was at rest, `noise` analyzes the noise
+then (with `spectrum` and `allan`), `findings` describes the results in sentences, `plots` and
+`noise_plots` draw, and `page` writes the page. Vectors and attitude are in the axes of the device:
+forward, right, down.
 """
 
 import logging
 
-# At its first use it logs that it builds a cache.
+# At its first use matplotlib logs that it builds a font cache.
 logging.getLogger('matplotlib').setLevel(logging.ERROR)

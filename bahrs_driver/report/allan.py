@@ -18,14 +18,14 @@ from dataclasses import dataclass
 import math
 from typing import NamedTuple
 
-from bahrs_driver.report.time_axis import Array
+from bahrs_driver.protocol.batch import Array
 import numpy as np
 
 POINTS = 60                     # averaging times, evenly spaced by their logarithm
-LONGEST_SHARE = 0.25            # of the record; beyond, there is too little to average
-LARGEST_ERROR = 0.25            # relative standard error of a point that is read
-CERTAIN = 1 + 1 / (2 * LARGEST_ERROR ** 2)      # averages that make for such an error
-FLAT = math.sqrt(2 * math.log(2) / math.pi)
+MAX_TAU_SHARE = 0.25            # of the record; beyond, there is too little to average
+MAX_ERROR = 0.25                # relative standard error of a reliable point
+MIN_AVERAGES = 1 + 1 / (2 * MAX_ERROR ** 2)     # of a reliable point
+FLICKER_FACTOR = math.sqrt(2 * math.log(2) / math.pi)   # lowest deviation / bias instability
 SLOPE_TOLERANCE = 0.2
 DECADE = 10.0                   # from the shortest to the longest tau of a line
 BEYOND_LOWEST = 3.0             # times the tau of the lowest point that the curve must reach
@@ -39,7 +39,7 @@ class Coefficient(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Allan:
+class AllanDeviation:
     """The curve and its coefficients, in the unit of the data (and seconds)."""
 
     tau: Array                      # s
@@ -51,23 +51,22 @@ class Allan:
 
     @property
     def reliable(self) -> Array:
-        """Points that are certain enough to be read."""
-        return np.asarray(self.relative_error <= LARGEST_ERROR)
+        """Points from which coefficients are read."""
+        return np.asarray(self.relative_error <= MAX_ERROR)
 
 
-def allan(values: Array, period: float) -> Allan:
+def allan_deviation(values: Array, period: float) -> AllanDeviation:
     """Compute the deviation of evenly spaced values, period seconds apart."""
     integral = np.cumsum(np.append(0.0, values - values.mean())) * period
-    longest = max(1, int(len(values) * LONGEST_SHARE))
-    last_certain = max(1, int(len(values) / CERTAIN))
-    sizes = np.union1d(np.geomspace(1, longest, POINTS).astype(np.int64), last_certain)
+    longest = max(1, int(len(values) * MAX_TAU_SHARE))
+    longest_reliable = max(1, int(len(values) / MIN_AVERAGES))
+    sizes = np.union1d(np.geomspace(1, longest, POINTS).astype(np.int64), longest_reliable)
     deviation = np.array([_deviation(integral, int(size), period) for size in sizes])
-    tau = sizes * period
+    sizes, deviation = sizes[deviation > 0], deviation[deviation > 0]
     error = 1 / np.sqrt(2 * np.maximum(len(values) / sizes - 1, 1))
-    good = deviation > 0
-    tau, deviation, error = tau[good], deviation[good], error[good]
-    certain = error <= LARGEST_ERROR
-    return Allan(tau, deviation, error, *_coefficients(tau[certain], deviation[certain]))
+    tau, reliable = sizes * period, error <= MAX_ERROR
+    return AllanDeviation(tau, deviation, error,
+                          *_coefficients(tau[reliable], deviation[reliable]))
 
 
 def _deviation(integral: Array, size: int, period: float) -> float:
@@ -76,13 +75,13 @@ def _deviation(integral: Array, size: int, period: float) -> float:
 
 
 def _coefficients(tau: Array, deviation: Array) -> tuple[Coefficient, Coefficient, Coefficient]:
-    """Read N, B and K off the points that are certain enough."""
+    """Read N, B and K off the reliable points."""
     if len(tau) < 2 or tau[-1] < DECADE * tau[0]:
-        unread = Coefficient(None, 'rest too short' if len(tau) else 'no noise')
-        return unread, unread, unread
+        unknown = Coefficient(None, 'rest too short' if len(tau) else 'no noise')
+        return unknown, unknown, unknown
     lowest = int(np.argmin(deviation))
-    white = _line(tau, deviation, -0.5)
-    return (Coefficient(white, '' if white else 'no slope of -1/2'),
+    white_noise = _fit_line(tau, deviation, -0.5)
+    return (Coefficient(white_noise, '' if white_noise else 'no slope of -1/2'),
             _bias_instability(tau, deviation, lowest),
             _random_walk(tau[lowest:], deviation[lowest:]))
 
@@ -92,7 +91,7 @@ def _bias_instability(tau: Array, deviation: Array, lowest: int) -> Coefficient:
         return Coefficient(None, f'still falling at {tau[-1]:.0f} s')
     if tau[-1] < BEYOND_LOWEST * tau[lowest]:
         return _too_short(BEYOND_LOWEST * tau[lowest])
-    return Coefficient(float(deviation[lowest]) / FLAT)
+    return Coefficient(float(deviation[lowest]) / FLICKER_FACTOR)
 
 
 def _random_walk(tau: Array, deviation: Array) -> Coefficient:
@@ -104,22 +103,22 @@ def _random_walk(tau: Array, deviation: Array) -> Coefficient:
     tau, deviation = tau[rising[0]:], deviation[rising[0]:]
     if tau[-1] < DECADE * tau[0]:
         return _too_short(DECADE * tau[0])
-    walk = _line(tau, deviation, 0.5)
+    walk = _fit_line(tau, deviation, 0.5)
     return Coefficient(walk and walk * math.sqrt(3), '' if walk else 'no slope of +1/2')
 
 
 def _too_short(tau: float) -> Coefficient:
-    """Name the record that has points certain enough at an averaging time."""
-    return Coefficient(None, f'rest too short, needs {math.ceil(CERTAIN * tau / 60)} min')
+    """Give the duration of a record with a reliable point at an averaging time."""
+    return Coefficient(None, f'rest too short, needs {math.ceil(MIN_AVERAGES * tau / 60)} min')
 
 
-def _line(tau: Array, deviation: Array, slope: float) -> float | None:
+def _fit_line(tau: Array, deviation: Array, slope: float) -> float | None:
     """Return the value at 1 s of the line of a slope through the decade that fits it best."""
     x, y = np.log(tau), np.log(deviation)
-    best, value = SLOPE_TOLERANCE, None
+    smallest, value = SLOPE_TOLERANCE, None
     for begin in range(int(np.searchsorted(tau, tau[-1] / DECADE, side='right'))):
         decade = slice(begin, int(np.searchsorted(tau, DECADE * tau[begin], side='right')))
-        found = abs(float(np.polyfit(x[decade], y[decade], 1)[0]) - slope)
-        if found < best:
-            best, value = found, float(np.exp(np.mean(y[decade] - slope * x[decade])))
+        difference = abs(float(np.polyfit(x[decade], y[decade], 1)[0]) - slope)
+        if difference < smallest:
+            smallest, value = difference, float(np.exp(np.mean(y[decade] - slope * x[decade])))
     return value

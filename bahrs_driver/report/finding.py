@@ -1,13 +1,13 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""A finding about a recording, and the format of its times."""
+"""A finding about a recording, and how times are written in it."""
 
 from enum import Enum
 from typing import NamedTuple
 
 
 class Severity(Enum):
-    """How much a finding matters, the worst first."""
+    """Severity of a finding, the worst first."""
 
     ERROR = 'error'
     WARNING = 'warning'
@@ -19,18 +19,18 @@ ERROR, WARNING, NOTICE, GOOD = Severity
 
 
 class Finding(NamedTuple):
-    """A sentence, and how much it matters."""
+    """A sentence about a recording."""
 
-    level: Severity
+    severity: Severity
     text: str
 
     def to_json(self) -> dict[str, str]:
         """Return the finding as plain values."""
-        return {'level': self.level.value, 'text': self.text}
+        return {'level': self.severity.value, 'text': self.text}
 
 
-def clock_time(seconds: float) -> str:
-    """Return a time since the beginning in minutes and seconds, with hours from one on."""
+def format_time(seconds: float) -> str:
+    """Return a time since the first sample as m:ss.s, or h:mm:ss.s from an hour on."""
     minutes, tenths = divmod(round(seconds * 10), 600)
     if minutes >= 60:
         return f'{minutes // 60}:{minutes % 60:02d}:{tenths / 10:04.1f}'

@@ -7,143 +7,146 @@ from collections.abc import Iterator
 from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.report.clock import ClockAnalysis
-from bahrs_driver.report.finding import clock_time, ERROR, Finding, GOOD, NOTICE, Severity, WARNING
-from bahrs_driver.report.gather import Recording, Signals
+from bahrs_driver.report.finding import (
+    ERROR,
+    Finding,
+    format_time,
+    GOOD,
+    NOTICE,
+    Severity,
+    WARNING,
+)
+from bahrs_driver.report.gather import Recording
 from bahrs_driver.report.integrity import integrity_findings
-from bahrs_driver.report.time_axis import Array, BreakKind, UNKNOWN_PAUSE
-import numpy as np
+from bahrs_driver.report.time_axis import Break, BreakKind, TimeAxis, UNKNOWN_PAUSE
 
-CUT_OFF = 64                # bytes of cut frames at the beginning and end of a recording
-MANY = 5                    # events named one by one
-DRIFT_LIMIT = 100.0         # ppm; more is a defect of a crystal
-LATE_LIMIT = 0.02           # s of delay that 99 of 100 samples should not exceed
-LONG_READ = 60              # bytes a read, above which an adapter holds bytes back
-INERTIAL_RATE, NAVIGATION_RATE = 200.0, 100.0       # Hz
+MAX_CUT_BYTES = 64          # of cut frames at the beginning and end of a recording
+MAX_DAMAGED_SHARE = 0.1     # of frames, above which it is an error
+MAX_LISTED = 5              # events listed one by one
+MAX_DRIFT = 100.0           # ppm; more is a defect of a crystal
+MAX_DELAY = 0.02            # s; 99 of 100 samples should not exceed it
+MAX_READ = 60               # bytes, above which an adapter holds bytes back
+MIN_DURATION = 1.0          # s of data, for a rate
 RATE_TOLERANCE = 0.02
 
 
 def findings(recording: Recording, analysis: ClockAnalysis | None) -> list[Finding]:
     """Return all findings, the worst first."""
-    found = [*_framing(recording), *_breaks(recording), *_rates(recording),
-             *integrity_findings(recording), *_saturation(recording),
-             *_time_messages(recording), *(_clock(analysis) if analysis else ()),
-             *_device(recording), *(Finding(WARNING, printable(note)) for note in recording.notes)]
-    return sorted(found, key=lambda finding: list(Severity).index(finding.level))
+    found = [*_framing(recording), *_lost_samples(recording), *_pauses(recording),
+             *_restarts(recording), *_rates(recording), *integrity_findings(recording),
+             *_saturation(recording), *_time_messages(recording.time_axis),
+             *(_clock(analysis) if analysis else ()), *_device(recording),
+             *(Finding(WARNING, printable(note)) for note in recording.notes)]
+    return sorted(found, key=lambda finding: list(Severity).index(finding.severity))
 
 
 def _framing(recording: Recording) -> Iterator[Finding]:
     counters = recording.counters
-    if counters.crc_failures or counters.skipped_bytes > CUT_OFF:
+    if counters.crc_failures or counters.skipped_bytes > MAX_CUT_BYTES:
         share = counters.crc_failures / (counters.crc_failures + counters.frames)
         yield Finding(
-            ERROR if share > 0.1 else WARNING,
+            ERROR if share > MAX_DAMAGED_SHARE else WARNING,
             f'{counters.crc_failures:,} damaged frames ({share:.2%}) and '
             f'{counters.skipped_bytes:,} bytes outside of frames: check cable, ground and '
             'baud rate.')
     else:
-        rest = f'{counters.skipped_bytes} bytes are left over: a recording may begin or end ' \
-               'within a frame' if counters.skipped_bytes else 'no byte is left over'
-        yield Finding(GOOD, f'All {counters.frames:,} frames are intact; {rest}.')
+        outside = f'{counters.skipped_bytes} bytes are outside of frames, as the recording ' \
+                  'begins or ends within one' if counters.skipped_bytes else \
+                  'no byte is outside of them'
+        yield Finding(GOOD, f'All {counters.frames:,} frames are intact; {outside}.')
     if counters.unknown_types:
         names = ', '.join(f'{printable(name)} ({count:,})'
                           for name, count in counters.unknown_types.items())
         yield Finding(NOTICE, f'Intact frames of unknown type: {names}.')
 
 
-def _breaks(recording: Recording) -> Iterator[Finding]:
+def _lost_samples(recording: Recording) -> Iterator[Finding]:
     axis = recording.time_axis
-    lost = [found for found in axis.breaks if found.kind is BreakKind.LOST]
-    if lost:
-        missing = sum(found.missing for found in lost)
-        share = missing / (missing + len(axis.seconds))
-        worst = max(lost, key=lambda found: found.missing)
-        yield Finding(WARNING, f'{missing:,} inertial samples are missing ({share:.2%}), at '
-                      f'{len(lost):,} places; the longest gap is {worst.seconds:.3f} s at '
-                      f'{clock_time(axis.seconds[worst.index])}.')
-    else:
+    gaps = _breaks(axis, BreakKind.LOST)
+    if not gaps:
         yield Finding(GOOD, 'No inertial sample is missing.')
-    yield from _pauses(recording)
-    yield from _restarts(recording)
-    if axis.rejected:
-        yield Finding(NOTICE, f'{axis.rejected:,} time messages contradict those around them.')
+        return
+    missing = sum(gap.missing for gap in gaps)
+    share = missing / (missing + len(axis.seconds))
+    longest = max(gaps, key=lambda gap: gap.missing)
+    yield Finding(WARNING, f'{missing:,} inertial samples are missing ({share:.2%}), at '
+                  f'{len(gaps):,} places; the longest gap is {longest.seconds:.3f} s at '
+                  f'{format_time(axis.seconds[longest.index])}.')
 
 
 def _pauses(recording: Recording) -> Iterator[Finding]:
     axis = recording.time_axis
-    pauses = [found for found in axis.breaks if found.kind is BreakKind.PAUSED]
-    if len(pauses) > MANY:
-        total = sum(found.seconds for found in pauses)
-        longest = max(pauses, key=lambda found: found.seconds)
-        yield Finding(NOTICE, f'The device sent nothing for {total:.1f} s in {len(pauses):,} '
-                      f'pauses, the longest {longest.seconds:.1f} s before '
-                      f'{clock_time(axis.seconds[longest.index])}, and counted no samples '
-                      'meanwhile.')
-        return
-    for found in pauses:
-        yield Finding(NOTICE, f'The device sent nothing for {found.seconds:.1f} s before '
-                      f'{clock_time(axis.seconds[found.index])}, and counted no samples '
-                      'meanwhile.')
+    pauses = _breaks(axis, BreakKind.PAUSED)
+    if len(pauses) > MAX_LISTED:
+        total = sum(pause.seconds for pause in pauses)
+        longest = max(pauses, key=lambda pause: pause.seconds)
+        silences = [f'{total:.1f} s in {len(pauses):,} pauses, the longest '
+                    f'{longest.seconds:.1f} s before {format_time(axis.seconds[longest.index])}']
+    else:
+        silences = [f'{pause.seconds:.1f} s before {format_time(axis.seconds[pause.index])}'
+                    for pause in pauses]
+    for silence in silences:
+        yield Finding(NOTICE, f'The device sent nothing for {silence}, and its sample counter '
+                              'stood still.')
 
 
 def _restarts(recording: Recording) -> Iterator[Finding]:
     axis = recording.time_axis
-    times = [clock_time(axis.seconds[found.index]) for found in axis.breaks
-             if found.kind is BreakKind.RESTARTED]
+    times = [format_time(axis.seconds[restart.index])
+             for restart in _breaks(axis, BreakKind.RESTARTED)]
     if times:
-        named = ', '.join(times[:MANY]) + (f' and {len(times) - MANY:,} times more, the last '
-                                           f'before {times[-1]}' if len(times) > MANY else '')
-        yield Finding(WARNING, f'The device restarted before {named}. How long it was off is not '
-                      f'recorded: {UNKNOWN_PAUSE:.0f} s is drawn.')
+        listed = ', '.join(times[:MAX_LISTED])
+        if len(times) > MAX_LISTED:
+            listed += f' and {len(times) - MAX_LISTED:,} times more, the last before {times[-1]}'
+        yield Finding(WARNING, f'The device restarted before {listed}. How long it was off is not '
+                               f'recorded: {UNKNOWN_PAUSE:.0f} s is drawn.')
+
+
+def _breaks(axis: TimeAxis, kind: BreakKind) -> list[Break]:
+    return [found for found in axis.breaks if found.kind is kind]
 
 
 def _rates(recording: Recording) -> Iterator[Finding]:
     paused = sum(found.seconds for found in recording.time_axis.breaks
                  if found.kind is not BreakKind.LOST)
-    flowing = recording.duration - paused
-    if flowing < 1.0:
+    sending = recording.duration - paused
+    if sending < MIN_DURATION:
         yield Finding(WARNING, f'There is only {recording.duration:.1f} s of data.')
         return
-    for signals, name, nominal in ((recording.inertial, 'inertial', INERTIAL_RATE),
-                                   (recording.navigation, 'navigation', NAVIGATION_RATE)):
-        rate = len(signals.seconds) / flowing
+    for name, signals, nominal in (
+            ('Inertial', recording.inertial, recording.inertial_rate),
+            ('Navigation', recording.navigation, recording.navigation_rate)):
+        rate = len(signals.seconds) / sending
         if abs(rate / nominal - 1) > RATE_TOLERANCE:
-            yield Finding(WARNING, f'{name.capitalize()} messages come {rate:.1f} times a second '
-                                   f'instead of {nominal:.0f}.')
+            yield Finding(WARNING, f'{name} messages arrive {rate:.1f} times a second instead of '
+                                   f'{nominal:.0f}.')
 
 
 def _saturation(recording: Recording) -> Iterator[Finding]:
-    inertial, navigation = recording.inertial, recording.navigation
     for signals, field, name in (
-            (inertial, 'specific_force', 'specific force'),
-            (inertial, 'angular_rate', 'angular rate'),
-            (navigation, 'velocity_down', 'vertical velocity')):
-        yield from _at_limit(_saturated(recording, signals, field), name)
-    safe = navigation.health[:, 0] == Integrity.SAFE
-    yield from _at_limit(safe & _saturated(recording, navigation, 'pressure_height'),
-                         'pressure height')
+            (recording.inertial, 'specific_force', 'specific force'),
+            (recording.inertial, 'angular_rate', 'angular rate'),
+            (recording.navigation, 'velocity_down', 'vertical velocity'),
+            (recording.navigation, 'pressure_height', 'pressure height')):
+        lowest, highest = recording.limits[field]
+        values = signals.values[field]
+        saturated = (values <= lowest) | (values >= highest)
+        if field == 'pressure_height':
+            saturated &= signals.health[:, signals.names.index(field)] == Integrity.SAFE
+        # A vector counts once.
+        count = int(saturated.any(axis=tuple(range(1, saturated.ndim))).sum())
+        if count:
+            yield Finding(WARNING, f'The {name} is at the limit of its range in {count:,} '
+                                   'samples: the true value is larger.')
 
 
-def _saturated(recording: Recording, signals: Signals, field: str) -> Array:
-    lowest, highest = recording.limits[field]
-    values = signals.values[field]
-    return np.asarray((values <= lowest) | (values >= highest))
-
-
-def _at_limit(where: Array, name: str) -> Iterator[Finding]:
-    count = int(where.any(axis=1).sum() if where.ndim > 1 else where.sum())
-    if count:
-        yield Finding(WARNING, f'The {name} is at the limit of its range in {count:,} samples: '
-                               'the true value is larger.')
-
-
-def _time_messages(recording: Recording) -> Iterator[Finding]:
-    axis = recording.time_axis
+def _time_messages(axis: TimeAxis) -> Iterator[Finding]:
     if axis.label_ahead is None:
         yield Finding(WARNING, 'There is no inertial time message: the times of samples are '
                                'multiples of the nominal period.')
     elif axis.label_ahead == 1:
-        yield Finding(GOOD, 'Time messages name the sample after the one that they refer to, '
-                            'as known devices do; the driver detects this.')
+        yield Finding(GOOD, 'Time messages name the sample after the one whose time they give, '
+                            'as all known devices do; the driver detects and corrects this.')
     elif axis.label_ahead == 0:
         yield Finding(NOTICE, 'Time messages name the sample just sent, as the document says.')
     else:
@@ -152,15 +155,15 @@ def _time_messages(recording: Recording) -> Iterator[Finding]:
 
 
 def _clock(analysis: ClockAnalysis) -> Iterator[Finding]:
-    if analysis.drift_ppm is not None and abs(analysis.drift_ppm) > DRIFT_LIMIT:
+    if analysis.drift_ppm is not None and abs(analysis.drift_ppm) > MAX_DRIFT:
         yield Finding(WARNING, f"The device's clock drifts {analysis.drift_ppm:+.1f} ppm against "
-                               f"the host's, more than {DRIFT_LIMIT:.0f}: one of them is "
+                               f"the host's, more than {MAX_DRIFT:.0f}: one of them is "
                                'defective.')
-    if analysis.late_99 > LATE_LIMIT:
+    if analysis.delay_99 > MAX_DELAY:
         yield Finding(NOTICE, 'One of 100 samples arrives more than '
-                              f'{analysis.late_99 * 1e3:.0f} ms late: the host was busy, or the '
+                              f'{analysis.delay_99 * 1e3:.0f} ms late: the host was busy, or the '
                               'adapter holds bytes back.')
-    if analysis.read_bytes > LONG_READ:
+    if analysis.read_bytes > MAX_READ:
         yield Finding(NOTICE, f'Reads return {analysis.read_bytes} bytes at a time: a latency '
                               'timer of 1 ms reduces the delay ("bahrs doctor" prints the '
                               'command).')
@@ -170,8 +173,9 @@ def _clock(analysis: ClockAnalysis) -> Iterator[Finding]:
 
 def _device(recording: Recording) -> Iterator[Finding]:
     if recording.software is None:
-        yield Finding(NOTICE, 'There is no software version: the device sends it only at '
-                              'power-on, so the recording began later, or its version is old.')
+        yield Finding(NOTICE, 'No software version was received: the device sends it only at '
+                              'power-on, so the recording began later, or the device is too old '
+                              'to send it.')
     if len(recording.versions) > 1:
         yield Finding(WARNING, 'Frames of several protocol versions are mixed: '
                       + ', '.join(f'{count:,} of version {version}'

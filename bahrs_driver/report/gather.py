@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Read a recording into arrays, a piece at a time."""
+"""Read a recording into arrays."""
 
 from array import array
 from collections import Counter
@@ -13,13 +13,18 @@ from bahrs_driver.bag.feed_capture import feed_capture
 from bahrs_driver.bag.log_clock import LogClock
 from bahrs_driver.devices.recording_format import Limits, RecordingFormat
 from bahrs_driver.pipeline import Pipeline, PipelineCounters
-from bahrs_driver.protocol.batch import Batch
+from bahrs_driver.protocol.batch import Array, Batch
 from bahrs_driver.protocol.decoder import Decoder
 from bahrs_driver.protocol.framing import Frame, Framer, FramingCounters
+from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.protocol.message import Message
-from bahrs_driver.report.time_axis import Array, make_time_axis, TimeAxis
-from bahrs_driver.units import COUNTER_MODULUS
+from bahrs_driver.report.time_axis import make_time_axis, TimeAxis
+from bahrs_driver.units import S_PER_NS
 import numpy as np
+
+
+_NOT_VALUES = {'offset', 'sequence', 'health', 'device_time_us'}
+_AVAILABLE = [state for state in Integrity if state.available]
 
 
 @dataclass(frozen=True)
@@ -29,7 +34,15 @@ class Signals:
     seconds: Array
     values: dict[str, Array]            # by the name of the field; float32
     health: Array                       # (n, signals), the numbers of Integrity
-    names: tuple[str, ...]              # of the signals
+    names: tuple[str, ...]              # of the signals: a vector has one per component
+
+    def available(self, field: str) -> Array:
+        """Return the values of a field, NaN where the device reports them as not available."""
+        names = (field, *(f'{field}_{axis}' for axis in 'xyz'))
+        health = self.health[:, [name in names for name in self.names]]
+        values = self.values[field].copy()
+        values[~np.isin(health, _AVAILABLE).reshape(values.shape)] = np.nan
+        return values
 
 
 @dataclass(frozen=True)
@@ -38,7 +51,7 @@ class Reads:
 
     ros_ns: Array
     raw_ns: Array | None                # on CLOCK_MONOTONIC_RAW, if recorded
-    received: Array                     # bytes of the stream after each read
+    received: Array                     # bytes of the stream up to the end of each read
     byte_ns: int                        # transmission time of a byte; 0 if unknown
 
 
@@ -58,13 +71,14 @@ class Recording:
     hardware: Any                       # version message, if received
     time_axis: TimeAxis
     inertial: Signals
+    inertial_rate: float                # Hz, nominal
     navigation: Signals
+    navigation_rate: float              # Hz, nominal
     accuracy: Signals
     pulses: Array                       # times of sync pulses, s
-    navigation_label: int | None        # by how many the sample is ahead that time messages name
     reads: Reads | None
     inertial_end: Array                 # offset of the byte after each inertial frame
-    openings: int                       # of the port
+    openings: int                       # times that the port was opened
     notes: list[str]
 
     @property
@@ -77,97 +91,97 @@ _EMPTY = Message()
 
 
 class _FrameCollector(Decoder):
-    """A decoder that keeps frames, to decode many of them at once."""
+    """A decoder that collects frames instead of decoding them one by one."""
 
     def __init__(self) -> None:
         self._frames: list[Frame] = []
 
     def decode(self, frame: Frame, _now: int) -> Message:
-        """Keep a frame, and return an empty message."""
+        """Collect a frame, and return an empty message."""
         self._frames.append(frame)
         return _EMPTY
 
     def take(self) -> list[Frame]:
-        """Return the frames since the last call."""
+        """Return and remove the collected frames."""
         frames, self._frames = self._frames, []
         return frames
 
 
-def gather(capture: Capture, recorded: RecordingFormat,
+def gather(capture: Capture, recording_format: RecordingFormat,
            progress: Callable[[], None] = lambda: None) -> Recording:
-    """Read a capture; progress is called after each piece. CaptureError if it cannot be read."""
-    collector, batch = _FrameCollector(), Batch(recorded.layouts)
-    pipeline = Pipeline(Framer(recorded.frame_format), collector)
-    times, raws, received = array('q'), array('q'), array('q')      # there are millions
+    """
+    Read a capture.
+
+    progress is called after each chunk. Raise CaptureError if the capture cannot be read.
+    """
+    collector, batch = _FrameCollector(), Batch(recording_format.layouts)
+    pipeline = Pipeline(Framer(recording_format.frame_format), collector)
+    ros_ns, raw_ns, received = array('q'), array('q'), array('q')   # there are millions of reads
     for chunk, *_ in feed_capture(capture, pipeline, LogClock()):
         batch.add(collector.take())
         if chunk.data and chunk.ros_ns is not None:
-            times.append(chunk.ros_ns)
+            ros_ns.append(chunk.ros_ns)
             if chunk.raw_ns is not None:
-                raws.append(chunk.raw_ns)
+                raw_ns.append(chunk.raw_ns)
             received.append(pipeline.received)
         progress()
-    reads = Reads(np.array(times), np.array(raws) if len(raws) == len(times) else None,
-                  np.array(received), capture.byte_ns or 0) if times else None
-    return _recording(capture, batch, pipeline.counters, recorded, reads)
+    reads = Reads(np.array(ros_ns), np.array(raw_ns) if len(raw_ns) == len(ros_ns) else None,
+                  np.array(received), capture.byte_ns or 0) if ros_ns else None
+    return _recording(capture, batch, pipeline.counters, recording_format, reads)
 
 
 def _recording(capture: Capture, batch: Batch, counters: PipelineCounters,
-               recorded: RecordingFormat, reads: Reads | None) -> Recording:
+               recording_format: RecordingFormat, reads: Reads | None) -> Recording:
     counts, versions = Counter[str](), Counter[int]()
     for header, count in batch.counts().items():
-        counts[recorded.layouts[header].message.NAME] += count
-        versions[recorded.version(header)] += count
-    roles = recorded.roles
+        counts[recording_format.layouts[header].message.NAME] += count
+        versions[recording_format.version(header)] += count
+    usual_version = versions.most_common(1)[0][0] if versions else None
+    roles = recording_format.roles
     inertial, navigation = batch.take(roles.sample), batch.take(roles.navigation)
-    accuracy = batch.take(recorded.accuracy)
-    axis = make_time_axis(inertial['offset'], inertial['sequence'], batch.take(roles.sample_time))
-    offsets = inertial['offset'].copy()
+    accuracy = batch.take(recording_format.accuracy)
+    period = roles.sample_period * S_PER_NS
+    axis = make_time_axis(inertial['offset'], inertial['sequence'], batch.take(roles.sample_time),
+                          period)
 
-    def when(array: Array) -> Array:
+    def times(messages: Array) -> Array:
         """Return the times of messages: those of the inertial samples before them."""
-        if not len(offsets):
-            return np.arange(len(array)) * 0.01
-        return np.asarray(axis.seconds[np.searchsorted(offsets, array['offset']).clip(1) - 1])
+        if not len(inertial):
+            return np.arange(len(messages)) * period * roles.samples_per_navigation
+        return np.asarray(axis.seconds[
+            np.searchsorted(inertial['offset'], messages['offset']).clip(1) - 1])
 
-    usual = versions.most_common(1)[0][0] if versions else None
     return Recording(
-        capture.path.name, recorded.label, recorded.limits(max(versions, default=None)),
-        counters.bytes_received, counters.framing, dict(counts), dict(versions),
-        recorded.checksum_order(), _last(recorded.software, batch),
-        _last(recorded.hardware, batch), axis, _signals(roles.sample, axis.seconds, inertial),
-        _signals(roles.navigation, when(navigation), navigation),
-        _signals(recorded.accuracy, when(accuracy), accuracy),
-        when(batch.take(roles.sync_pulse)),
-        _label(navigation, batch.take(roles.navigation_time)), reads,
-        offsets + recorded.sample_size(usual), counters.streams, capture.notes)
+        name=capture.path.name, device=recording_format.label,
+        limits=recording_format.limits(max(versions, default=None)),
+        size=counters.bytes_received, counters=counters.framing,
+        counts=dict(counts), versions=dict(versions),
+        crc_order=recording_format.checksum_order(),
+        software=_last(recording_format.software, batch),
+        hardware=_last(recording_format.hardware, batch),
+        time_axis=axis, inertial=_signals(roles.sample, axis.seconds, inertial),
+        inertial_rate=1 / period,
+        navigation=_signals(roles.navigation, times(navigation), navigation),
+        navigation_rate=1 / period / roles.samples_per_navigation,
+        accuracy=_signals(recording_format.accuracy, times(accuracy), accuracy),
+        pulses=times(batch.take(roles.sync_pulse)), reads=reads,
+        inertial_end=inertial['offset'] + recording_format.sample_size(usual_version),
+        openings=counters.streams, notes=capture.notes)
 
 
-def _signals(kind: type[Message], seconds: Array, array: Array) -> Signals:
-    names = [name for name in array.dtype.names or ()
-             if name not in ('offset', 'sequence', 'health', 'device_time_us')]
-    health = array['health'].copy() if kind.SIGNALS else np.empty((len(array), 0), np.uint8)
-    return Signals(seconds, {name: array[name].astype(np.float32) for name in names}, health,
-                   kind.SIGNALS)
+def _signals(message: type[Message], seconds: Array, messages: Array) -> Signals:
+    names = [name for name in messages.dtype.names or () if name not in _NOT_VALUES]
+    health = messages['health'].copy() if message.SIGNALS else \
+        np.empty((len(messages), 0), np.uint8)
+    return Signals(seconds, {name: messages[name].astype(np.float32) for name in names}, health,
+                   message.SIGNALS)
 
 
-def _last(kind: type[Message], batch: Batch) -> Message | None:
+def _last(message: type[Message], batch: Batch) -> Message | None:
     """Return the last message of a type; None if there is none."""
-    array = batch.take(kind)
-    if not len(array):
+    messages = batch.take(message)
+    if not len(messages):
         return None
-    return kind(*(
-        item if isinstance(item, str) else tuple(item.tolist()) if item.shape else int(item)
-        for item in list(array[-1])[1:]))
-
-
-def _label(navigation: Array, times: Array) -> int | None:
-    """Return by how many the navigation message is ahead that time messages name."""
-    times = times[times['device_time_us'] != 0]
-    latest = np.searchsorted(navigation['offset'], times['offset']) - 1
-    times, latest = times[latest >= 0], latest[latest >= 0]
-    if not len(times):
-        return None
-    ahead = times['reference_sequence'].astype(int) - navigation['sequence'][latest]
-    half = COUNTER_MODULUS // 2
-    return int(np.median((ahead + half) % COUNTER_MODULUS - half))
+    _, *fields = messages[-1].item()
+    return message(*(tuple(field.tolist()) if isinstance(field, np.ndarray) else field
+                     for field in fields))

@@ -5,51 +5,58 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from bahrs_driver.protocol.batch import Array
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.report.finding import clock_time, Finding, GOOD, NOTICE, Severity, WARNING
+from bahrs_driver.report.finding import Finding, format_time, GOOD, NOTICE, Severity, WARNING
 from bahrs_driver.report.gather import Recording, Signals
-from bahrs_driver.report.time_axis import Array
 import numpy as np
 
 UNSAFE = (Integrity.INTEGRITY_RISK, Integrity.UNAVAILABLE, Integrity.RESERVED)
-MUCH = 1.0              # s in all, above which it is a warning
-NAMED = 3               # intervals that are named one by one
-GAP = 0.5               # s without a sample, in which the state is unknown
+MAX_NOTICE = 1.0        # s in all, above which it is a warning
+MAX_LISTED = 3          # intervals that are listed one by one
+MAX_STEP = 0.5          # s between two samples; in a longer gap the state is unknown
 
 
 class Interval(NamedTuple):
-    """A time, in seconds since the first sample, over which a signal had one state."""
+    """An interval in which a signal had one state."""
 
-    begin: float
+    begin: float            # s since the first sample
     seconds: float
 
 
 def integrity_findings(recording: Recording) -> Iterator[Finding]:
-    """Yield the signals that were not safe, in one finding for those with the same times."""
-    alike: dict[tuple[Severity, str], list[str]] = {}
+    """Yield a finding for the signals that were not safe at the same times."""
+    signal_names: dict[tuple[Severity, str], list[str]] = {}
     for signals in (recording.inertial, recording.navigation):
         for index, name in enumerate(signals.names):
-            for level, text in _signal(signals, index):
-                alike.setdefault((level, text), []).append(name.replace('_', ' '))
-    for (level, text), names in alike.items():
-        yield Finding(level, f'{_listed(names).capitalize()}: {text}.')
-    if not alike and len(recording.inertial.seconds):
+            for severity, text in _unsafe_states(signals, index):
+                signal_names.setdefault((severity, text), []).append(name.replace('_', ' '))
+    for (severity, text), names in signal_names.items():
+        yield Finding(severity, f'{_list_signals(names).capitalize()}: {text}.')
+    if not signal_names and len(recording.inertial.seconds):
         yield Finding(GOOD, 'All signals are safe throughout.')
 
 
-def find_intervals(seconds: Array, held: Array) -> list[Interval]:
-    """Return the intervals of a state, from the times of samples and whether each has it."""
-    where = np.flatnonzero(held)
-    if not len(where):
+def find_intervals(seconds: Array, held: Array, max_step: float = MAX_STEP) -> list[Interval]:
+    """
+    Return the intervals in which a state was held.
+
+    seconds are the times of samples, and held is True for those with the state. A step in time
+    above max_step, in seconds, ends an interval.
+    """
+    samples = np.flatnonzero(held)
+    if not len(samples):
         return []
     steps = np.diff(seconds)
     period = float(np.median(steps)) if len(steps) else 0.0
-    breaks = np.flatnonzero((np.diff(where) > 1) | (np.diff(seconds[where]) > GAP)) + 1
-    pieces = [seconds[piece] for piece in np.split(where, breaks)]
-    return [Interval(float(piece[0]), float(piece[-1] - piece[0]) + period) for piece in pieces]
+    gaps = np.flatnonzero((np.diff(samples) > 1) | (np.diff(seconds[samples]) > max_step))
+    begins = seconds[samples[np.append(0, gaps + 1)]]
+    ends = seconds[samples[np.append(gaps, -1)]]
+    return [Interval(begin, end - begin + period)
+            for begin, end in zip(begins.tolist(), ends.tolist())]
 
 
-def _signal(signals: Signals, index: int) -> Iterator[tuple[Severity, str]]:
+def _unsafe_states(signals: Signals, index: int) -> Iterator[tuple[Severity, str]]:
     """Yield the severity and the times of each state that is not safe."""
     health = signals.health[:, index]
     for state in UNSAFE:
@@ -57,43 +64,44 @@ def _signal(signals: Signals, index: int) -> Iterator[tuple[Severity, str]]:
         if held.all() and len(held):
             yield WARNING, f'{state.words} throughout'
         elif held.any():
-            found = find_intervals(signals.seconds, held)
-            total = sum(interval.seconds for interval in found)
-            yield (WARNING if total > MUCH else NOTICE,
-                   f'{state.words} for {_when(found, from_start=bool(held[0]))}')
+            intervals = find_intervals(signals.seconds, held)
+            total = sum(interval.seconds for interval in intervals)
+            yield (WARNING if total > MAX_NOTICE else NOTICE,
+                   f'{state.words} for {_describe(intervals, from_start=bool(held[0]))}')
 
 
-def _when(found: list[Interval], from_start: bool) -> str:
+def _describe(intervals: list[Interval], from_start: bool) -> str:
     """
-    Return when a signal had a state.
+    Describe intervals, the first of which may begin with the first sample.
 
-    The interval from the first sample on is separate: a device has no solution at startup, which
-    must not hide later intervals.
+    That one is separate: a device has no solution at startup, which must not hide later intervals.
     """
     if not from_start:
-        return _listed_times(found)
-    startup = f'the first {found[0].seconds:.2f} s'
-    return startup + (f', later for {_listed_times(found[1:])}' if found[1:] else '')
+        return _list_intervals(intervals)
+    startup = f'the first {intervals[0].seconds:.2f} s'
+    return startup + (f', later for {_list_intervals(intervals[1:])}' if intervals[1:] else '')
 
 
-def _listed_times(found: list[Interval]) -> str:
-    if len(found) <= NAMED:
-        return _joined([f'{seconds:.2f} s from {clock_time(begin)}' for begin, seconds in found])
-    total = sum(interval.seconds for interval in found)
-    longest = max(found, key=lambda interval: interval.seconds)
-    return (f'{total:.2f} s in {len(found):,} intervals from {clock_time(found[0].begin)} to '
-            f'{clock_time(found[-1].begin + found[-1].seconds)}, the longest '
-            f'{longest.seconds:.2f} s from {clock_time(longest.begin)}')
+def _list_intervals(intervals: list[Interval]) -> str:
+    if len(intervals) <= MAX_LISTED:
+        return _join([f'{seconds:.2f} s from {format_time(begin)}'
+                      for begin, seconds in intervals])
+    total = sum(interval.seconds for interval in intervals)
+    longest = max(intervals, key=lambda interval: interval.seconds)
+    first, last = intervals[0], intervals[-1]
+    return (f'{total:.2f} s in {len(intervals):,} intervals from {format_time(first.begin)} to '
+            f'{format_time(last.begin + last.seconds)}, the longest {longest.seconds:.2f} s '
+            f'from {format_time(longest.begin)}')
 
 
-def _listed(names: list[str]) -> str:
-    """Return names as a text; the components of a vector are one name."""
+def _list_signals(names: list[str]) -> str:
+    """Join names of signals; the three components of a vector are one name."""
     for quantity in ('specific force', 'angular rate'):
         components = [f'{quantity} {axis}' for axis in 'xyz']
         if set(components) <= set(names):
             names = [quantity] + [name for name in names if name not in components]
-    return _joined(names)
+    return _join(names)
 
 
-def _joined(texts: list[str]) -> str:
+def _join(texts: list[str]) -> str:
     return ', '.join(texts[:-1]) + ' and ' + texts[-1] if len(texts) > 1 else texts[0]

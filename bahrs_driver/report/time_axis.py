@@ -3,23 +3,21 @@
 """
 Compute the times of all inertial samples of a recording, from counters and time messages.
 
-Time messages are anchors: they give the device time of one sample, and the samples in between are
-counted. If two anchors contradict the count, samples were lost by whole turns of the counter, the
-device paused, or it restarted.
+Time messages are anchors: each gives the device time of one sample, and the samples between two
+anchors are counted by their sequence counters. If the device time and the count between two
+anchors differ, whole turns of the counter were lost, the device paused, or it restarted.
 """
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
+from typing import NamedTuple
 
+from bahrs_driver.protocol.batch import Array
 from bahrs_driver.units import COUNTER_MODULUS, S_PER_US
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[Any]
-
-PERIOD = 0.005              # s, nominal
 TOLERANCE = 0.5             # of a period, by which an anchor may be off
+MAX_CLOCK_ERROR = 0.03      # relative difference between measured and nominal period
 UNKNOWN_PAUSE = 1.0         # s assumed for the unknown time for which a device was off
 
 
@@ -38,7 +36,7 @@ class Break:
     index: int              # of the first sample after it
     kind: BreakKind
     missing: int            # samples lost, by the counters; 0 for other kinds
-    seconds: float          # duration; an assumption for a restart
+    seconds: float          # from the sample before to the one after; assumed for a restart
 
 
 @dataclass(frozen=True)
@@ -49,14 +47,26 @@ class TimeAxis:
     device_us: Array        # device time of each, NaN where there is none
     label_ahead: int | None         # samples by which time messages are ahead: 1 is 'next'
     period: float | None            # s from one sample to the next on the device's clock
-    breaks: list[Break]
+    breaks: list[Break]             # in order
     anchors: int                    # time messages that were used
     rejected: int                   # time messages that contradicted the others
 
 
-def make_time_axis(offset: Array, sequence: Array, times: Array) -> TimeAxis:
+class _Anchors(NamedTuple):
+    """Columns with one element per time message."""
+
+    latest: Array           # index of the latest sample before the message
+    counts: Array           # count of the sample that the message refers to
+    seconds: Array          # device time of that sample
+
+    def select(self, mask: Array) -> '_Anchors':
+        return _Anchors(*(column[mask] for column in self))
+
+
+def make_time_axis(offset: Array, sequence: Array, times: Array,
+                   nominal_period: float) -> TimeAxis:
     """
-    Return the times of samples.
+    Compute the times of samples, whose nominal period is in seconds.
 
     offset and sequence are those of the inertial messages, times the inertial time messages.
     """
@@ -64,100 +74,101 @@ def make_time_axis(offset: Array, sequence: Array, times: Array) -> TimeAxis:
         return TimeAxis(np.empty(0), np.empty(0), None, None, [], 0, 0)
     steps = np.diff(sequence.astype(np.int64)) % COUNTER_MODULUS
     counts = np.concatenate(([0], np.cumsum(steps)))
-    latest, counted, device, ahead = _anchors(offset, sequence, counts, times)
-    period = _period(counted, device)
-    keep = _consistent(counted, device, period)
-    rejected = len(keep) - int(keep.sum())
-    latest, counted, device = latest[keep], counted[keep], device[keep]
-    extra, breaks = _jumps(steps, latest, counted, device, period)
-    return _assemble(counts, steps, latest, counted, device, ahead, period, extra, breaks,
-                     rejected)
+    anchors, ahead = _anchors(offset, sequence, counts, times)
+    period = _measure_period(anchors, nominal_period)
+    outlier = _outliers(anchors, period)
+    anchors = anchors.select(~outlier)
+    breaks = _breaks_between_anchors(steps, anchors, period)
+    seconds, device_us = _interpolate(counts, steps, anchors, breaks, period)
+    return TimeAxis(seconds, device_us, ahead, period if len(anchors.counts) > 1 else None,
+                    sorted([*breaks, *_counter_gaps(steps, breaks, period)],
+                           key=lambda found: found.index),
+                    len(anchors.counts), int(outlier.sum()))
 
 
 def _anchors(offset: Array, sequence: Array, counts: Array,
-             times: Array) -> tuple[Array, Array, Array, int | None]:
-    """Return for each time message the latest sample, its reference count and its time in s."""
+             times: Array) -> tuple[_Anchors, int | None]:
+    """Return the anchors, and by how many samples time messages are ahead."""
     times = times[(times['reference_sequence'] != 0) | (times['device_time_us'] != 0)]
     latest = np.searchsorted(offset, times['offset']) - 1
     times, latest = times[latest >= 0], latest[latest >= 0]
+    seconds = times['device_time_us'] * S_PER_US
     if not len(times):
-        return latest, np.empty(0, np.int64), np.empty(0), None
+        return _Anchors(latest, latest, seconds), None
     half = COUNTER_MODULUS // 2
-    named = (times['reference_sequence'].astype(np.int64) - sequence[latest] + half) \
+    ahead = (times['reference_sequence'].astype(np.int64) - sequence[latest] + half) \
         % COUNTER_MODULUS - half
-    ahead = int(np.median(named))
-    label = 1 if ahead == 1 else 0
-    return latest, counts[latest] + named - label, times['device_time_us'] * S_PER_US, ahead
+    usual = int(np.median(ahead))
+    return _Anchors(latest, counts[latest] + ahead - (usual == 1), seconds), usual
 
 
-def _period(counted: Array, device: Array) -> float:
-    if len(counted) < 2:
-        return PERIOD
-    steps, seconds = np.diff(counted), np.diff(device)
-    good = (steps > 0) & (seconds > 0)
-    periods = seconds[good] / steps[good]
-    periods = periods[abs(periods / PERIOD - 1) < 0.03]
-    return float(np.median(periods)) if len(periods) else PERIOD
+def _measure_period(anchors: _Anchors, nominal: float) -> float:
+    """Return the median period between anchors in s; the nominal one if there is none."""
+    counted, elapsed = np.diff(anchors.counts), np.diff(anchors.seconds)
+    forward = (counted > 0) & (elapsed > 0)
+    periods = elapsed[forward] / counted[forward]
+    periods = periods[abs(periods / nominal - 1) < MAX_CLOCK_ERROR]
+    return float(np.median(periods)) if len(periods) else nominal
 
 
-def _consistent(counted: Array, device: Array, period: float) -> Array:
-    """Return which anchors are consistent with a neighbour, or lack two that agree."""
-    keep = np.ones(len(counted), bool)
-    if len(counted) < 3:
-        return keep
-    line = device - counted * period
-    near = TOLERANCE * period
-    alone = (abs(np.diff(line)[:-1]) > near) & (abs(np.diff(line)[1:]) > near)
-    keep[1:-1] = ~(alone & (abs(line[2:] - line[:-2]) < 2 * near))
-    return keep
+def _outliers(anchors: _Anchors, period: float) -> Array:
+    """Return which anchors contradict both neighbours although these agree with each other."""
+    outlier = np.zeros(len(anchors.counts), bool)
+    if len(outlier) > 2:
+        start = anchors.seconds - anchors.counts * period    # device time of count 0
+        jump = abs(np.diff(start)) > TOLERANCE * period
+        outlier[1:-1] = jump[:-1] & jump[1:] & (
+            abs(start[2:] - start[:-2]) < 2 * TOLERANCE * period)
+    return outlier
 
 
-def _jumps(steps: Array, latest: Array, counted: Array, device: Array,
-           period: float) -> tuple[Array, list[Break]]:
-    """Return the seconds before each sample that its count does not explain, and the breaks."""
-    extra = np.zeros(len(steps) + 1)
-    breaks = []
-    lines = np.diff(device - counted * period)
-    for where in np.flatnonzero(abs(lines) > TOLERANCE * period):
-        low, high = latest[where] + 1, latest[where + 1]
-        odd = np.flatnonzero(steps[low - 1:high] != 1)
-        index = int(low + odd[0]) if len(odd) else int(high)
-        excess = float(lines[where])
-        turns, rest = divmod(excess / period + TOLERANCE, COUNTER_MODULUS)
-        if device[where + 1] < device[where]:
-            seconds = UNKNOWN_PAUSE
-            breaks.append(Break(index, BreakKind.RESTARTED, 0, seconds))
-            extra[index] = seconds - steps[index - 1] * period
+def _breaks_between_anchors(steps: Array, anchors: _Anchors, period: float) -> list[Break]:
+    """Return the breaks that only time messages show."""
+    breaks: list[Break] = []
+    if not len(steps):
+        return breaks
+    excess = np.diff(anchors.seconds - anchors.counts * period)
+    for number in np.flatnonzero(abs(excess) > TOLERANCE * period):
+        before, after = anchors.latest[number:number + 2]
+        # Where the counter is not consecutive either, or else just before the later anchor.
+        gaps = np.flatnonzero(steps[before:after] != 1)
+        index = int(before + 1 + gaps[0]) if len(gaps) else max(1, int(after))
+        step = int(steps[index - 1])
+        turns, rest = divmod(float(excess[number]) / period + TOLERANCE, COUNTER_MODULUS)
+        seconds = float(excess[number]) + step * period
+        if anchors.seconds[number + 1] < anchors.seconds[number]:
+            breaks.append(Break(index, BreakKind.RESTARTED, 0, UNKNOWN_PAUSE))
         elif turns > 0 and rest < 2 * TOLERANCE:
-            missing = int(turns) * COUNTER_MODULUS + int(steps[index - 1]) - 1
-            breaks.append(Break(index, BreakKind.LOST, missing, (missing + 1) * period))
-            extra[index] = excess
+            breaks.append(Break(index, BreakKind.LOST,
+                                int(turns) * COUNTER_MODULUS + step - 1, seconds))
         else:
-            seconds = excess + float(steps[index - 1]) * period
             breaks.append(Break(index, BreakKind.PAUSED, 0, seconds))
-            extra[index] = excess
-    return extra, breaks
+    return breaks
 
 
-def _assemble(counts: Array, steps: Array, latest: Array, counted: Array, device: Array,
-              ahead: int | None, period: float, extra: Array, breaks: list[Break],
-              rejected: int) -> TimeAxis:
-    jumped = {found.index for found in breaks}
-    lost = [Break(int(index) + 1, BreakKind.LOST, int(steps[index]) - 1,
+def _counter_gaps(steps: Array, breaks: list[Break], period: float) -> list[Break]:
+    """Return the other gaps, those that the counters alone explain."""
+    explained = {found.index for found in breaks}
+    return [Break(int(index) + 1, BreakKind.LOST, int(steps[index]) - 1,
                   float(steps[index]) * period)
-            for index in np.flatnonzero(steps > 1) if int(index) + 1 not in jumped]
-    seconds = counts * period + np.cumsum(extra)
+            for index in np.flatnonzero(steps > 1) if int(index) + 1 not in explained]
+
+
+def _interpolate(counts: Array, steps: Array, anchors: _Anchors, breaks: list[Break],
+                 period: float) -> tuple[Array, Array]:
+    """Return the time of each sample since the first in s, and its device time in us."""
+    pauses = np.zeros(len(counts))      # s before each sample that its count does not explain
+    for found in breaks:
+        pauses[found.index] = found.seconds - steps[found.index - 1] * period
+    seconds = counts * period + np.cumsum(pauses)
     device_us = np.full(len(counts), np.nan)
     edges = [0, *sorted(found.index for found in breaks), len(counts)]
-    for low, high in zip(edges, edges[1:]):
-        mine = (latest >= low) & (latest < high)
-        if mine.any():
-            # Interpolated between anchors, extrapolated by the period outside.
-            here, anchors = counts[low:high], counted[mine]
-            line = np.interp(here, anchors, device[mine] - anchors * period)
-            true = line + here * period
-            device_us[low:high] = true / S_PER_US
-            seconds[low:high] = seconds[low] + true - true[0]
-    return TimeAxis(seconds - seconds[0], device_us, ahead,
-                    period if len(counted) > 1 else None,
-                    sorted(breaks + lost, key=lambda found: found.index), len(counted), rejected)
+    for begin, end in zip(edges, edges[1:]):
+        latest, known, time = anchors.select((anchors.latest >= begin) & (anchors.latest < end))
+        if len(latest):
+            # The clock's error is interpolated between anchors, and constant outside of them.
+            here = counts[begin:end]
+            device = here * period + np.interp(here, known, time - known * period)
+            device_us[begin:end] = device / S_PER_US
+            seconds[begin:end] = seconds[begin] + device - device[0]
+    return seconds - seconds[0], device_us

@@ -1,8 +1,8 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of drawing with fewer points: nothing that can be seen is lost."""
+"""Test that a curve of fewer points looks the same."""
 
-from bahrs_driver.report.decimate import angle_envelope, envelope, runs
+from bahrs_driver.report.decimate import angle_envelope, envelope
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 import numpy as np
@@ -10,8 +10,8 @@ import numpy as np
 SECONDS = 0.01 * np.arange(100_000)
 
 
-def test_a_single_peak_is_drawn():
-    """Among a hundred thousand values, and one downward."""
+def test_single_peaks_are_drawn():
+    """A peak and a dip of one sample each are kept among 100,000 values."""
     values = np.zeros(100_000)
     values[12_345], values[54_321] = 7.0, -3.0
     times, drawn = envelope(SECONDS, values)
@@ -20,14 +20,14 @@ def test_a_single_peak_is_drawn():
     assert abs(times[np.nanargmax(drawn)] - SECONDS[12_345]) < 2.0
 
 
-def test_few_values_are_all_drawn():
-    """As they are."""
+def test_few_values_are_unchanged():
+    """A curve with fewer points than buckets is not reduced."""
     times, drawn = envelope(SECONDS[:50], SECONDS[:50] ** 2)
     assert np.array_equal(times, SECONDS[:50]) and np.array_equal(drawn, SECONDS[:50] ** 2)
 
 
 def test_gaps_interrupt_the_line():
-    """In time, and where values are missing."""
+    """Gaps in time and missing values interrupt it."""
     later = np.where(SECONDS > 500.0, SECONDS + 100.0, SECONDS)
     for count in (100_000, 2_000):
         times, drawn = envelope(later[-count - 49_000:], np.ones(100_000)[-count - 49_000:])
@@ -38,23 +38,16 @@ def test_gaps_interrupt_the_line():
 
 
 @given(values=arrays(float, st.integers(1, 5000), elements=st.floats(-1e6, 1e6)))
-def test_the_extremes_stay(values):
-    """Whatever the values."""
+def test_extremes_are_kept(values):
+    """Minimum and maximum of the values are drawn."""
     _, drawn = envelope(0.1 * np.arange(len(values)), values, buckets=50)
     assert (np.nanmin(drawn), np.nanmax(drawn)) == (values.min(), values.max())
 
 
-def test_an_angle_that_passes_north():
-    """Is not drawn across the picture."""
+def test_angle_that_passes_north():
+    """No line is drawn from 360 to 0 degrees."""
     heading = (350.0 + 0.001 * np.arange(100_000)) % 360.0
     times, drawn = angle_envelope(SECONDS, heading)
     jumps = abs(np.diff(drawn))
     assert np.nanmax(jumps) < 5.0 and np.isnan(drawn).any()
     assert len(times) == len(drawn)
-
-
-def test_runs_of_a_state():
-    """One after the other."""
-    assert runs(np.arange(6.0), np.array([1, 1, 0, 0, 2, 2])) == [
-        (0.0, 2.0, 1), (2.0, 4.0, 0), (4.0, 5.0, 2)]
-    assert runs(np.empty(0), np.empty(0)) == []

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the arrays and findings of a recording."""
+"""Test the arrays, the clock analysis and the findings of a recording."""
 
 from bahrs_driver.bag.open_capture import open_capture
 from bahrs_driver.emulator.measurement_errors import MeasurementErrors
@@ -17,14 +17,14 @@ from support.recorded import gathered, MadeUp, recorded
 from support.shared_files import shared_file
 
 
-def sentences(recording, level=None):
-    """Return the findings about a recording, one sentence a line."""
+def sentences(recording, severity=None):
+    """Return the findings of a severity, or all, one per line."""
     return '\n'.join(text for each, text in findings(recording, analyze_clock(recording))
-                     if level in (None, each))
+                     if severity in (None, each))
 
 
-def test_a_good_recording():
-    """Everything is good, and it is all there."""
+def test_undamaged_recording():
+    """All messages are counted, and no finding is a warning."""
     recording = recorded(seconds=20.0)
     assert recording.counters.crc_failures == 0
     assert recording.duration == pytest.approx(19.4, abs=0.2)
@@ -45,31 +45,31 @@ def test_a_good_recording():
 
 
 def test_without_times_of_reads():
-    """The clocks are not compared."""
+    """The clocks cannot be compared."""
     recording = recorded(timed=False)
     assert recording.reads is None and analyze_clock(recording) is None
     assert recording.duration > 9.0
 
 
 @pytest.mark.parametrize('drift', [-80.0, 150.0])
-def test_the_drift_of_the_clock(drift):
-    """It is that which the emulator was given."""
+def test_clock_drift(drift):
+    """The estimated drift is that of the emulator's clock."""
     recording = recorded(make_emulation(make_device(drift_ppm=drift)), seconds=40.0)
     analysis = analyze_clock(recording)
     assert analysis.drift_ppm == pytest.approx(drift, abs=5.0)
-    assert 0.0 <= analysis.delay.min() and analysis.late_99 < 0.008
+    assert 0.0 <= analysis.delay.min() and analysis.delay_99 < 0.008
     assert ('drifts' in sentences(recording, WARNING)) == (abs(drift) > 100)
 
 
-def test_an_adapter_that_holds_bytes_back():
-    """The sizes of reads and the arrivals of samples show it."""
+def test_adapter_with_a_long_latency_timer():
+    """Findings report the sizes of reads and the delays of samples."""
     recording = recorded(make_emulation(mode=adapter_mode('40')), every=0.002, seconds=20.0)
     text = sentences(recording, NOTICE)
     assert 'timer of 1 ms' in text and 'One of 100 samples arrives more than' in text
 
 
-def test_a_host_clock_that_was_set():
-    """It is counted, and does not spoil the rest."""
+def test_step_of_the_host_clock():
+    """The step is counted, and does not change the delays."""
     class Stepped(MadeUp):
         def chunks(self):
             for chunk in super().chunks():
@@ -77,11 +77,11 @@ def test_a_host_clock_that_was_set():
                 yield chunk._replace(ros_ns=chunk.ros_ns + 5_000_000_000 * late)
 
     analysis = analyze_clock(gathered(Stepped(make_emulation(), 30.0)))
-    assert analysis.host_steps == 1 and analysis.late_99 < 0.02
+    assert analysis.host_steps == 1 and analysis.delay_99 < 0.02
 
 
-def test_a_host_that_stalled():
-    """It is no clock that was set, nor one that drifts."""
+def test_stalled_host():
+    """A stall is neither a step nor a drift of the clock."""
     class Stalled(MadeUp):
         def chunks(self):
             held, until = b'', 1_700_000_018_000_000_000
@@ -97,8 +97,8 @@ def test_a_host_that_stalled():
     assert analysis.delay.max() == pytest.approx(1.5, abs=0.02)
 
 
-def test_a_host_clock_that_was_set_beside_one_that_nobody_sets():
-    """Even a small step is reported; delays do not affect it."""
+def test_step_of_the_host_clock_with_raw_times():
+    """A step of 2 ms against CLOCK_MONOTONIC_RAW is counted, whatever the delays."""
     class Stepped(MadeUp):
         def chunks(self):
             for chunk in super().chunks():
@@ -107,33 +107,29 @@ def test_a_host_clock_that_was_set_beside_one_that_nobody_sets():
                                      raw_ns=chunk.ros_ns - 10 ** 18)
 
     analysis = analyze_clock(gathered(Stepped(make_emulation(), 30.0)))
-    assert analysis.host_steps == 1 and analysis.late_99 < 0.02
+    assert analysis.host_steps == 1 and analysis.delay_99 < 0.02
 
 
 def test_losses_and_damage():
-    """Both are counted, as the emulator's truth has it."""
+    """Damaged frames and missing samples are counted."""
     emulation = make_emulation(bit_flip=0.0002, drop_frame=0.01)
     recording = recorded(emulation, seconds=30.0)
     assert recording.counters.crc_failures > 0
     text = sentences(recording, WARNING)
     assert 'damaged frames' in text and 'inertial samples are missing' in text
     whole = int(recording.inertial.seconds[-1] / 0.005 + 0.5) + 1
-    lost = sum(each.missing for each in recording.time_axis.breaks)
+    lost = sum(gap.missing for gap in recording.time_axis.breaks)
     assert lost == whole - len(recording.inertial.seconds)
 
 
-def test_integrity_in_words():
+def test_integrity_findings():
     """Signals that were unsafe at the same times share a finding."""
     emulation = make_emulation()
     made = MadeUp(emulation, 20.0)
     signals = emulation.device.signals
 
-    def at(moment, names, state):
-        """Change the integrity of signals during the recording."""
-        return moment, names, state
-
-    plan = [at(5.0, signals[:3], Integrity.UNAVAILABLE), at(8.0, signals[:3], Integrity.SAFE),
-            at(10.0, ('roll',), Integrity.INTEGRITY_RISK), at(10.5, ('roll',), Integrity.SAFE)]
+    plan = [(5.0, signals[:3], Integrity.UNAVAILABLE), (8.0, signals[:3], Integrity.SAFE),
+            (10.0, ('roll',), Integrity.INTEGRITY_RISK), (10.5, ('roll',), Integrity.SAFE)]
     advance = emulation.advance
 
     def advance_as_planned(until):
@@ -149,14 +145,14 @@ def test_integrity_in_words():
 
 
 def test_saturation():
-    """A quantity at the limit of its range is reported."""
+    """A finding reports a quantity at the limit of its range."""
     loud = MeasurementErrors(1, {'angular_rate': 3.0}, {'angular_rate': (5.0, 0.0, 0.0)})
     assert 'The angular rate is at the limit of its range' in sentences(
         recorded(make_emulation(make_device(errors=loud))), WARNING)
 
 
-def test_a_restart():
-    """Time goes on, and nothing is called lost."""
+def test_restart():
+    """Times continue after a restart, and no sample counts as lost."""
     emulation = make_emulation()
     advance = emulation.advance
     once = [10.0]
@@ -169,15 +165,15 @@ def test_a_restart():
     emulation.advance = advance_with_restart
     recording = recorded(emulation, seconds=20.0)
     assert 'The device restarted before 0:' in sentences(recording, WARNING)
-    assert [each.kind for each in recording.time_axis.breaks] == [BreakKind.RESTARTED]
+    assert [found.kind for found in recording.time_axis.breaks] == [BreakKind.RESTARTED]
     assert np.all(np.diff(recording.time_axis.seconds) > 0)
 
 
-def test_the_real_recording():
-    """What is known of it is found: a device at rest, without a heading, that paused once."""
+def test_real_recording():
+    """The device is at rest, has no heading, and paused once."""
     recording = gathered(open_capture(shared_file('data/bahrs_recording_v2.bin')))
     assert recording.counts['inertial'] == 47_837 and recording.versions == {2: 78_932}
     assert 'Magnetic heading: unavailable throughout.' in sentences(recording, WARNING)
     assert 'nothing for 2.7 s' in sentences(recording, NOTICE)
     assert 'No inertial sample is missing.' in sentences(recording, GOOD)
-    assert recording.navigation_label == recording.time_axis.label_ahead == 1
+    assert recording.time_axis.label_ahead == 1

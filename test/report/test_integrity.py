@@ -1,14 +1,14 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the findings about integrity: no interval hides another one."""
+"""Test the findings about integrity: no interval hides another one."""
 
 import re
 from types import SimpleNamespace
 
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.report.finding import clock_time, GOOD, NOTICE, WARNING
+from bahrs_driver.report.finding import format_time, GOOD, NOTICE, WARNING
 from bahrs_driver.report.gather import Signals
-from bahrs_driver.report.integrity import find_intervals, GAP, integrity_findings
+from bahrs_driver.report.integrity import find_intervals, integrity_findings, MAX_STEP
 from hypothesis import given, strategies as st
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def sentences(health, seconds=None, names=NAMES):
 
 
 def unavailable(count, *parts):
-    """Return the health of one signal of so many samples, unavailable in some parts."""
+    """Return the health of one signal, unavailable in the parts from begin to before end."""
     health = np.full((count, 1), Integrity.SAFE, np.uint8)
     for begin, end in parts:
         health[begin:end] = Integrity.UNAVAILABLE
@@ -44,13 +44,13 @@ def unavailable(count, *parts):
               '3:00.0, the longest 60.00 s from 2:00.0'),
     ([(19_999, 20_000)], NOTICE, 'unavailable for 0.01 s from 3:20.0'),
 ])
-def test_startup_and_what_came_later(parts, level, text):
-    """The startup is named for itself, and the longest stretch after it with its time."""
+def test_startup_is_separate(parts, level, text):
+    """The interval at startup is listed first, then those after it with their times."""
     assert sentences(unavailable(20_000, *parts), names=('roll',)) == [(level, f'Roll: {text}.')]
 
 
-def test_signals_that_were_unsafe_together():
-    """They share a sentence; each state of a signal has its own."""
+def test_signals_with_the_same_intervals():
+    """They share a sentence; each state of a signal has one of its own."""
     health = np.repeat(unavailable(3000, (1000, 1500)), 2, axis=1)
     health[2000:2010, 1] = Integrity.INTEGRITY_RISK
     assert [text for _, text in sentences(health)] == [
@@ -58,8 +58,8 @@ def test_signals_that_were_unsafe_together():
         'Roll: integrity risk for 0.10 s from 0:20.0.']
 
 
-def test_a_pause_ends_a_stretch():
-    """Nothing is known of a signal while nothing comes."""
+def test_gap_ends_an_interval():
+    """The state of a signal is unknown while no sample arrives."""
     seconds = PERIOD * np.arange(1000)
     seconds[600:] += 30.0
     found = find_intervals(seconds, np.isin(np.arange(1000), range(500, 700)))
@@ -67,8 +67,8 @@ def test_a_pause_ends_a_stretch():
         (5.0, 1.0), (36.0, 1.0)]
 
 
-def test_all_is_safe():
-    """One sentence."""
+def test_all_signals_safe():
+    """One finding reports that all signals are safe."""
     recording = SimpleNamespace(
         inertial=Signals(PERIOD * np.arange(9), {}, unavailable(9), ('force',)),
         navigation=NOTHING)
@@ -77,8 +77,8 @@ def test_all_is_safe():
 
 @given(lengths=st.lists(st.integers(1, 3000), min_size=1, max_size=12), first=st.booleans(),
        pauses=st.lists(st.floats(0.0, 100.0), min_size=12, max_size=12))
-def test_no_stretch_is_hidden(lengths, first, pauses):
-    """Whatever happened: startup, longest stretch and total are named with their times."""
+def test_no_interval_is_hidden(lengths, first, pauses):
+    """The finding has the interval at startup and the longest one after it, with their times."""
     held = np.repeat([(index % 2 == 0) == first for index in range(len(lengths))], lengths)
     steps = np.full(len(held), PERIOD)
     for index, pause in zip(np.cumsum([0, *lengths[:-1]]), pauses):
@@ -87,7 +87,7 @@ def test_no_stretch_is_hidden(lengths, first, pauses):
     health = np.where(held, Integrity.UNAVAILABLE, Integrity.SAFE)[:, None]
     text = ''.join(text for _, text in sentences(health, seconds, ('roll',)))
     found = find_intervals(seconds, held)
-    assert sum(each.seconds for each in found) == pytest.approx(
+    assert sum(interval.seconds for interval in found) == pytest.approx(
         held.sum() * float(np.median(np.diff(seconds))) if len(held) > 1 else 0.0, abs=0.1)
     if not found or held.all():
         assert text in ('', 'Roll: unavailable throughout.')
@@ -96,16 +96,16 @@ def test_no_stretch_is_hidden(lengths, first, pauses):
         startup, found = found[0], found[1:]
         assert f'for the first {startup.seconds:.2f} s' in text
     if found:
-        longest = max(found, key=lambda each: each.seconds)
-        assert f'{longest.seconds:.2f} s from {clock_time(longest.begin)}' in text
-    assert GAP > PERIOD
+        longest = max(found, key=lambda interval: interval.seconds)
+        assert f'{longest.seconds:.2f} s from {format_time(longest.begin)}' in text
+    assert MAX_STEP > PERIOD
 
 
 @given(st.floats(0.0, 1e6))
-def test_times_are_written_as_clocks_do(seconds):
+def test_format_time(seconds):
     """No minute has 60 seconds, and no tenth is lost."""
     hours, minutes, rest = re.fullmatch(
-        r'(?:(\d+):)?(\d+):(\d\d\.\d)', clock_time(seconds)).groups()
+        r'(?:(\d+):)?(\d+):(\d\d\.\d)', format_time(seconds)).groups()
     assert float(rest) < 60.0 and (hours is None or int(minutes) < 60)
     assert int(hours or 0) * 3600 + int(minutes) * 60 + float(rest) == pytest.approx(
         seconds, abs=0.051)

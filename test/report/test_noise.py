@@ -1,11 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what is taken for noise at rest."""
+"""Test which parts of a flight count as rest."""
 
 from types import SimpleNamespace
 
 from bahrs_driver.emulator.motion import Change, truth
-from bahrs_driver.report.noise import noise_at_rest
+from bahrs_driver.report.rest import find_rest
 import pytest
 from support.emulated import make_device, make_emulation
 from support.recorded import recorded
@@ -15,9 +15,9 @@ LEVEL, STILL = Change(0.0), Change(1.0)
 
 @pytest.mark.slow
 @pytest.mark.parametrize(('climb', 'rest'), [(12.0, 0.0), (-12.0, 0.0), (0.0, 4.4)])
-def test_a_steady_climb_is_no_rest(climb, rest):
-    """Nor is a descent, though force and rate are as steady as on the ground."""
+def test_steady_climb_is_no_rest(climb, rest):
+    """Nor is a descent, although force and rate are as steady as on the ground."""
     motion = SimpleNamespace(at=lambda time: truth(
         Change(60.0), Change(climb), LEVEL, STILL, 3000.0 + climb * time))
-    found = noise_at_rest(recorded(make_emulation(make_device(motion)), 5.0, timed=False))
-    assert found == pytest.approx(rest, abs=0.2)
+    found = find_rest(recorded(make_emulation(make_device(motion)), 5.0, timed=False))
+    assert found.seconds == pytest.approx(rest, abs=0.2)
