@@ -10,7 +10,7 @@ import sys
 
 import bahrs_driver
 from bahrs_driver import decode, DEVICES, Instant
-from bahrs_driver.emulator.bahrs.nvm_image import made_up_image
+from bahrs_driver.emulator.bahrs.nvm_image import example_image
 from bahrs_driver.protocol.titan_m.frames import build_answer
 from bahrs_driver.protocol.titan_m.messages import Gps, Sensors, State
 import pytest
@@ -44,7 +44,7 @@ def test_examples(tmp_path, monkeypatch):
     """Of the package's docstring."""
     reads = read_stream(5.0)
     (tmp_path / 'flight.bin').write_bytes(b''.join(data for data, _ in reads))
-    (tmp_path / 'device.bin').write_bytes(made_up_image())
+    (tmp_path / 'device.bin').write_bytes(example_image())
     monkeypatch.chdir(tmp_path)
     results = doctest.testmod(bahrs_driver, extraglobs={'reads': reads})
     assert results.attempted >= 12 and not results.failed

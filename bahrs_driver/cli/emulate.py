@@ -16,18 +16,19 @@ from bahrs_driver.cli.outputs import add_force, live_output, output_file, same_o
 from bahrs_driver.cli.printing import print_counts, warn
 from bahrs_driver.devices.registry import DEFAULT, DEVICES, examples
 from bahrs_driver.emulator.control import COMMANDS
+from bahrs_driver.emulator.control_input import ControlInput
 from bahrs_driver.emulator.emulation import Emulation
 from bahrs_driver.emulator.flights import MOTIONS
-from bahrs_driver.emulator.host_time import HostTime
 from bahrs_driver.emulator.measurement_errors import (
     DEVIATIONS,
     MeasurementErrors,
     parse_bias,
     parse_deviation,
 )
-from bahrs_driver.emulator.runner import ControlInput, PacedRun, run_to_file
+from bahrs_driver.emulator.runner import RealTimeRun, run_to_file
 from bahrs_driver.emulator.scenario import parse, TimedCommand
-from bahrs_driver.emulator.session import Session
+from bahrs_driver.emulator.session import EmulationSession
+from bahrs_driver.emulator.start_time import StartTime
 from bahrs_driver.emulator.truth_file import TruthFile
 from bahrs_driver.errors import CommandError, ControlError, WriteError
 from bahrs_driver.files.guard import reason
@@ -111,12 +112,12 @@ def run(options: argparse.Namespace) -> int:
         truth_file = TruthFile(stack.enter_context(live_output(options.truth, options.force))) \
             if options.truth else None
 
-        def session(zero: HostTime) -> Session:
-            return Session(_emulation(options, zero), scenario, truth_file)
+        def session(start_time: StartTime) -> EmulationSession:
+            return EmulationSession(_emulation(options, start_time), scenario, truth_file)
 
         try:
             if options.output:
-                _run_to_file(options, session(HostTime()))
+                _run_to_file(options, session(StartTime()))
             else:
                 _run_on_port(options, session)
         except BrokenPipeError:         # the reader of standard output has closed it
@@ -138,7 +139,7 @@ def _reject_options_of_other_devices(options: argparse.Namespace) -> None:
                                        f'not of a {options.sensor}')
 
 
-def _run_to_file(options: argparse.Namespace, session: Session) -> None:
+def _run_to_file(options: argparse.Namespace, session: EmulationSession) -> None:
     with output_file(options.output, options.force) as file:
         try:
             run_to_file(session, options.duration, file)
@@ -147,13 +148,14 @@ def _run_to_file(options: argparse.Namespace, session: Session) -> None:
     _report(session.emulation)
 
 
-def _run_on_port(options: argparse.Namespace, make: Callable[[HostTime], Session]) -> None:
-    paced = PacedRun(options.link, ControlInput(0 if sys.stdin else None),
-                     partial(print, flush=True), partial(warn, 'emulate'))
-    with _call_on_signals(paced.end), paced:
-        session = make(paced.start(options.wait))
-        paced.run(session, options.duration)
-    _report(session.emulation, paced.lost)
+def _run_on_port(options: argparse.Namespace,
+                 make_session: Callable[[StartTime], EmulationSession]) -> None:
+    real_time = RealTimeRun(options.link, ControlInput(0 if sys.stdin else None),
+                            partial(print, flush=True), partial(warn, 'emulate'))
+    with _call_on_signals(real_time.end), real_time:
+        session = make_session(real_time.start(options.wait))
+        real_time.run(session, options.duration)
+    _report(session.emulation, real_time.lost)
 
 
 @contextlib.contextmanager
@@ -170,11 +172,11 @@ def _call_on_signals(end: Callable[[], None]) -> Iterator[None]:
             signal.signal(kind, handler)
 
 
-def _emulation(options: argparse.Namespace, zero: HostTime) -> Emulation:
+def _emulation(options: argparse.Namespace, start_time: StartTime) -> Emulation:
     errors = MeasurementErrors(options.seed, {**DEVIATIONS, **dict(options.noise)},
                                dict(options.bias))
     device = DEVICES[options.sensor].emulation().make_device(
-        options, MOTIONS[options.motion](), errors, zero)
+        options, MOTIONS[options.motion](), errors, start_time)
     cable = Cable(options.baud_rate, options.latency_timer)
     return Emulation(device, Faults(options.seed, dict(options.fault)), cable)
 
@@ -191,7 +193,7 @@ def _scenario(name: str | None) -> list[TimedCommand]:
 
 def _report(emulation: Emulation, bytes_not_read: int = 0) -> None:
     """Print the counts of frames and faults on standard error."""
-    counts = [*emulation.counts.items(), *emulation.wire_counts.items(),
+    counts = [*emulation.counts.items(), *emulation.fate_counts.items(),
               *emulation.faults.counts.items()]
     if bytes_not_read:
         counts.append(('bytes not read', bytes_not_read))

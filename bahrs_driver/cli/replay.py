@@ -27,7 +27,7 @@ from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.units import NS_PER_S
 from bahrs_driver.virtual_serial.cable import AT_ONCE, Cable
 from bahrs_driver.virtual_serial.faults import Faults
-from bahrs_driver.virtual_serial.pacing import paced, Piece, through
+from bahrs_driver.virtual_serial.pacing import pace, Piece, transmit
 from bahrs_driver.virtual_serial.player import Player
 from bahrs_driver.virtual_serial.pty_port import PtyPort
 
@@ -128,12 +128,12 @@ def _pieces(options: argparse.Namespace, capture: Capture | None, content: bytes
     if capture and capture.timed:
         pieces = _timed_reads(capture)
     else:
-        pieces = paced(_bounded_chunks(capture) if capture else [content],
-                       Framer(spec.frame_format()), spec.frame_period)
+        pieces = pace(_bounded_chunks(capture) if capture else [content],
+                      Framer(spec.frame_format()), spec.frame_period)
     if not options.fault and options.latency_timer is None:
         return pieces
     cable = Cable(BAUD_RATE, options.latency_timer or AT_ONCE)
-    return through(pieces, cable, faults, Framer(spec.frame_format()))
+    return transmit(pieces, cable, faults, Framer(spec.frame_format()))
 
 
 def _timed_reads(capture: Capture) -> Iterator[Piece]:

@@ -21,7 +21,7 @@ from bahrs_driver.protocol.message_roles import MessageRoles
 if TYPE_CHECKING:
     from bahrs_driver.devices.nvm_reader import NvmReader
     from bahrs_driver.devices.parts import Parts
-    from bahrs_driver.emulator.device import DeviceEmulation
+    from bahrs_driver.emulator.device import EmulatedDeviceFactory
     from bahrs_driver.pipeline import Pipeline
     from bahrs_driver.transport.link import Link
 
@@ -47,7 +47,7 @@ class DeviceSpec(ABC, Generic[Settings]):
         """Return the frame format with default settings."""
 
     @abstractmethod
-    def emulation(self) -> 'DeviceEmulation':
+    def emulation(self) -> 'EmulatedDeviceFactory':
         """Return the emulation of the device."""
 
     def memory_access(self, link: 'Link') -> 'tuple[Pipeline, NvmReader]':

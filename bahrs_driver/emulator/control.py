@@ -26,22 +26,23 @@ class Command(NamedTuple):
 
 def execute(line: str, emulation: Emulation, now: float) -> None:
     """Execute a line; ControlError if it is invalid. Empty lines and # comments do nothing."""
-    understood = _understand(line)
-    if understood is None:
+    parsed = _parse(line)
+    if parsed is None:
         return
-    command, words = understood
+    command, words = parsed
     try:
         command.run(emulation, now, words)
     except ValueError as error:
         raise ControlError(str(error)) from error
 
 
-def check(line: str) -> None:
+def validate(line: str) -> None:
     """Raise ControlError if a line is not a command with the right number of arguments."""
-    _understand(line)
+    _parse(line)
 
 
-def _understand(line: str) -> tuple[Command, list[str]] | None:
+def _parse(line: str) -> tuple[Command, list[str]] | None:
+    """Return a command and its arguments; None if the line is empty."""
     name, *words = line.split('#')[0].split() or ['']
     if not name:
         return None

@@ -7,9 +7,9 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
 from typing import NamedTuple, Protocol
 
-from bahrs_driver.emulator.host_time import HostTime
 from bahrs_driver.emulator.measurement_errors import MeasurementErrors
 from bahrs_driver.emulator.motion import Motion
+from bahrs_driver.emulator.start_time import StartTime
 from bahrs_driver.protocol.integrity import Integrity
 
 
@@ -67,12 +67,12 @@ class EmulatedDevice(ABC):
         raise ValueError('this device has no input for sync pulses')
 
 
-class DeviceEmulation(Protocol):
+class EmulatedDeviceFactory(Protocol):
     """Makes emulated devices of one kind from options of the command line."""
 
     def add_arguments(self, parser: ArgumentParser) -> None:
         """Add the options that only this device has."""
 
     def make_device(self, options: Namespace, motion: Motion, errors: MeasurementErrors,
-                    zero: HostTime) -> EmulatedDevice:
-        """Return an emulated device whose time starts at a host time."""
+                    start_time: StartTime) -> EmulatedDevice:
+        """Return an emulated device that is switched on at a host time."""

@@ -11,7 +11,7 @@ from bahrs_driver.emulator.device import Emission, EmulatedDevice
 from bahrs_driver.virtual_serial.cable import Cable
 from bahrs_driver.virtual_serial.faults import Faults
 
-# Fates of a frame on the line; overrun: the line is too slow for it.
+# Fates of a frame on the line. An overrun means that the line is too slow.
 INTACT, DAMAGED, DROPPED = 'intact', 'damaged', 'dropped'
 OVERRUN, UNPLUGGED = 'overrun', 'unplugged'
 
@@ -20,14 +20,14 @@ class SentFrame(NamedTuple):
     """A frame that the device sent, and its fate on the line."""
 
     emission: Emission
-    wire: str
+    fate: str
 
 
 class Emulation:
     """
     Advances device, faults and cable together. All times are true times in seconds.
 
-    `counts` counts the frames by name, `wire_counts` by their fate on the line.
+    `counts` counts the frames by name, `fate_counts` by their fate on the line.
     """
 
     def __init__(self, device: EmulatedDevice, faults: Faults, cable: Cable) -> None:
@@ -35,7 +35,7 @@ class Emulation:
         self.faults = faults
         self.cable = cable
         self.counts: Counter[str] = Counter()
-        self.wire_counts: Counter[str] = Counter()
+        self.fate_counts: Counter[str] = Counter()
         self.ended = False
         self._replug_time = -math.inf
 
@@ -62,7 +62,7 @@ class Emulation:
 
     def unplug(self, now: float, duration: float) -> None:
         """Unplug the cable for some seconds; the device continues."""
-        self.cable.cut(now)
+        self.cable.unplug(now)
         self._replug_time = now + duration
 
     def plugged(self, now: float) -> bool:
@@ -70,12 +70,13 @@ class Emulation:
         return now >= self._replug_time
 
     def _send(self, emission: Emission, plugged: bool) -> SentFrame:
-        wire = self._put_on_wire(emission) if plugged else UNPLUGGED
+        fate = self._transmit(emission) if plugged else UNPLUGGED
         self.counts[emission.name] += 1
-        self.wire_counts[wire] += 1
-        return SentFrame(emission, wire)
+        self.fate_counts[fate] += 1
+        return SentFrame(emission, fate)
 
-    def _put_on_wire(self, emission: Emission) -> str:
+    def _transmit(self, emission: Emission) -> str:
+        """Send a frame through faults and cable, and return its fate."""
         data = self.faults.apply(emission.data)
         if not self.cable.send(emission.ready, data):
             return OVERRUN

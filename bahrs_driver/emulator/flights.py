@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 import math
 from typing import NamedTuple
 
-from bahrs_driver.emulator.motion import Change, Motion, Profile, Truth, truth
+from bahrs_driver.emulator.motion import Motion, Profile, SmoothValue, true_values, Truth
 
 AIRFIELD = 504.0        # m, pressure height
 RUNWAY = 300.0          # degrees, heading at rest
-_NOTHING = Change(0.0)
-_FLYING = Change(1.0)
+_ZERO = SmoothValue(0.0)
+_AIRBORNE = SmoothValue(1.0)
 
 
 class Still:
@@ -19,8 +19,8 @@ class Still:
 
     def __init__(self, height: float = AIRFIELD, heading: float = RUNWAY) -> None:
         """Stand at a height in m with a heading in degrees."""
-        track = Change(math.radians(heading))
-        self._truth = truth(_NOTHING, _NOTHING, track, _NOTHING, height)
+        track = SmoothValue(math.radians(heading))
+        self._truth = true_values(_ZERO, _ZERO, track, _ZERO, height)
 
     def at(self, _time: float) -> Truth:
         """Return the true values, which never change."""
@@ -36,8 +36,8 @@ class SteadyTurn:
 
     def at(self, time: float) -> Truth:
         """Return the true values at a time in seconds."""
-        track = Change(self.TURN_RATE * time, self.TURN_RATE)
-        return truth(Change(self.SPEED), _NOTHING, track, _FLYING, self.HEIGHT)
+        track = SmoothValue(self.TURN_RATE * time, self.TURN_RATE)
+        return true_values(SmoothValue(self.SPEED), _ZERO, track, _AIRBORNE, self.HEIGHT)
 
 
 class Phase(NamedTuple):
@@ -47,7 +47,7 @@ class Phase(NamedTuple):
     speed: float            # m/s over ground
     climb: float            # m/s
     turn: float             # degrees, by the end of the phase, positive to the right
-    wings: float = 1.0      # 0 on the ground, 1 in the air
+    airborne: float = 1.0   # 0 on the ground, 1 in the air
 
 
 FLIGHT = (
@@ -98,7 +98,7 @@ class Flight:
         self._height = height
         self._speed = Profile(0, [(phase.duration, phase.speed) for phase in phases])
         self._climb = Profile(0, [(phase.duration, phase.climb) for phase in phases])
-        self._wings = Profile(0, [(phase.duration, phase.wings) for phase in phases])
+        self._airborne = Profile(0, [(phase.duration, phase.airborne) for phase in phases])
         self._track = Profile(math.radians(heading), [
             (phase.duration, math.radians(end)) for phase, end in zip(phases, headings)])
 
@@ -110,8 +110,8 @@ class Flight:
     def at(self, time: float) -> Truth:
         """Return the true values at a time in seconds."""
         time %= self.duration
-        return truth(self._speed.at(time), self._climb.at(time), self._track.at(time),
-                     self._wings.at(time), self._height + self._climb.integral(time))
+        return true_values(self._speed.at(time), self._climb.at(time), self._track.at(time),
+                           self._airborne.at(time), self._height + self._climb.integral(time))
 
 
 MOTIONS: dict[str, Callable[[], Motion]] = {

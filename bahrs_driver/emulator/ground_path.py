@@ -47,27 +47,27 @@ class GroundPath:
         index = int(time / STEP)
         while len(self._points) <= index:
             begin = STEP * (len(self._points) - 1)
-            self._points.append(self._moved(self._points[-1], begin, STEP))
-        latitude, longitude, north, east = self._moved(
+            self._points.append(self._integrate(self._points[-1], begin, STEP))
+        latitude, longitude, north, east = self._integrate(
             self._points[index], STEP * index, time - STEP * index)
         truth = self._motion.at(time)
         return truth, GeodeticPosition(
             math.degrees(latitude), math.remainder(math.degrees(longitude), 360.0),
             truth.pressure_height), (north, east)
 
-    def _moved(self, point: _Point, time: float, span: float) -> _Point:
-        """Return the point to which a point moves from a time on within a span in seconds."""
+    def _integrate(self, point: _Point, time: float, span: float) -> _Point:
+        """Return the point that a point reaches within a span, from a time on; in seconds."""
         middle = self._motion.at(time + span / 2)
         first = _rates(point, self._motion.at(time))
-        second = _rates(_along(point, first, span / 2), middle)
-        third = _rates(_along(point, second, span / 2), middle)
-        fourth = _rates(_along(point, third, span), self._motion.at(time + span))
+        second = _rates(_extrapolate(point, first, span / 2), middle)
+        third = _rates(_extrapolate(point, second, span / 2), middle)
+        fourth = _rates(_extrapolate(point, third, span), self._motion.at(time + span))
         a, b, c, d = ((p + 2 * q + 2 * r + s) / 6
                       for p, q, r, s in zip(first, second, third, fourth))
-        return _along(point, (a, b, c, d), span)
+        return _extrapolate(point, (a, b, c, d), span)
 
 
-def _along(point: _Point, rates: _Point, span: float) -> _Point:
+def _extrapolate(point: _Point, rates: _Point, span: float) -> _Point:
     a, b, c, d = (value + rate * span for value, rate in zip(point, rates))
     return a, b, c, d
 
@@ -76,9 +76,10 @@ def _rates(point: _Point, truth: Truth) -> _Point:
     """Return the derivatives of a point by time."""
     sine = math.sin(point[0])
     square = 1 - ECCENTRICITY_SQUARED * sine * sine
-    across = SEMI_MAJOR / math.sqrt(square)             # radius of curvature, east and west
-    along = across * (1 - ECCENTRICITY_SQUARED) / square        # north and south
+    # Radii of curvature, along the parallel and along the meridian.
+    east_radius = SEMI_MAJOR / math.sqrt(square)
+    north_radius = east_radius * (1 - ECCENTRICITY_SQUARED) / square
     north, east, _ = truth.velocity
     height = truth.pressure_height
-    return (north / (along + height), east / ((across + height) * math.cos(point[0])),
+    return (north / (north_radius + height), east / ((east_radius + height) * math.cos(point[0])),
             north, east)

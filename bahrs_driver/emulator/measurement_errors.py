@@ -7,6 +7,7 @@ import math
 import random
 
 from bahrs_driver.process.text_values import known, number
+from bahrs_driver.protocol.layout import Vector
 
 # Quantities with measurement errors, and their numbers of components.
 COMPONENTS = {'specific_force': 3, 'angular_rate': 3, 'attitude': 3, 'pressure_height': 1,
@@ -53,3 +54,19 @@ class MeasurementErrors:
             return tuple(value + bias for value, bias in zip(values, self._biases[quantity]))
         return tuple(value + bias + gauss(0.0, deviation)
                      for value, bias in zip(values, self._biases[quantity]))
+
+    def add_vector(self, quantity: str, vector: Vector) -> Vector:
+        """Return the measured vector of a quantity."""
+        x, y, z = self.add(quantity, vector)
+        return x, y, z
+
+
+def clamp(value: float, limit: float) -> float:
+    """Limit a value to the range from -limit to limit."""
+    return max(-limit, min(limit, value))
+
+
+def clamp_vector(vector: Vector, limit: float) -> Vector:
+    """Limit each component to the range from -limit to limit."""
+    x, y, z = vector
+    return clamp(x, limit), clamp(y, limit), clamp(z, limit)

@@ -1,7 +1,7 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The motion of a vehicle, and the true values of all that sensors measure.
+The motion of a vehicle, and the true values of all measured quantities.
 
 A motion defines ground speed, climb rate, track and the share of the bank that is flown, each with
 its derivatives in closed form. Everything else follows from these four: the nose points along the
@@ -49,8 +49,8 @@ class Motion(Protocol):
         """Return the true values at a time in seconds since the start, at least 0."""
 
 
-class Change(NamedTuple):
-    """A quantity at an instant, with its first and second derivative by time."""
+class SmoothValue(NamedTuple):
+    """A quantity at an instant, and its first and second derivative by time."""
 
     value: float
     first: float = 0.0
@@ -80,15 +80,15 @@ class Profile:
         """Seconds from the start to the end of the last step."""
         return self._starts[-1]
 
-    def at(self, time: float) -> Change:
+    def at(self, time: float) -> SmoothValue:
         """Return the quantity at a time from 0 to the duration."""
         _, x, duration, start, rise = self._step(time)
         if not rise:
-            return Change(start)
+            return SmoothValue(start)
         y = 1 - x
-        return Change(start + rise * x ** 3 * (10 - 15 * x + 6 * x * x),
-                      rise * 30 * x * x * y * y / duration,
-                      rise * 60 * x * y * (y - x) / (duration * duration))
+        return SmoothValue(start + rise * x ** 3 * (10 - 15 * x + 6 * x * x),
+                           rise * 30 * x * x * y * y / duration,
+                           rise * 60 * x * y * (y - x) / (duration * duration))
 
     def integral(self, time: float) -> float:
         """Return the integral of the quantity from 0 to a time."""
@@ -103,16 +103,17 @@ class Profile:
                 self._values[index + 1] - start)
 
 
-def truth(speed: Change, climb: Change, track: Change, wings: Change, height: float) -> Truth:
+def true_values(speed: SmoothValue, climb: SmoothValue, track: SmoothValue,
+                airborne: SmoothValue, height: float) -> Truth:
     """
     Return the true values that follow from ground speed, climb rate and track.
 
-    wings is the share of the bank of a coordinated turn: 0 on the ground, 1 in the air.
+    airborne is the share of the bank of a coordinated turn: 0 on the ground, 1 in the air.
     """
-    bank = _coordinated(speed, track)
-    roll = wings.value * bank.value
-    roll_rate = wings.first * bank.value + wings.value * bank.first
-    pitch, pitch_rate = _along_path(speed, climb)
+    bank = _coordinated_bank(speed, track)
+    roll = airborne.value * bank.value
+    roll_rate = airborne.first * bank.value + airborne.value * bank.first
+    pitch, pitch_rate = _path_pitch(speed, climb)
     sin_track, cos_track = math.sin(track.value), math.cos(track.value)
     axes = math.sin(roll), math.cos(roll), math.sin(pitch), math.cos(pitch)
     # Level axes: forward along the track, right, down.
@@ -125,14 +126,14 @@ def truth(speed: Change, climb: Change, track: Change, wings: Change, height: fl
         (speed.value * cos_track, speed.value * sin_track, -climb.value))
 
 
-def _coordinated(speed: Change, track: Change) -> Change:
+def _coordinated_bank(speed: SmoothValue, track: SmoothValue) -> SmoothValue:
     """Return the bank of a coordinated turn, with its rate."""
     ratio = speed.value * track.first / STANDARD_GRAVITY
     ratio_rate = (speed.first * track.first + speed.value * track.second) / STANDARD_GRAVITY
-    return Change(math.atan(ratio), ratio_rate / (1 + ratio * ratio))
+    return SmoothValue(math.atan(ratio), ratio_rate / (1 + ratio * ratio))
 
 
-def _along_path(speed: Change, climb: Change) -> tuple[float, float]:
+def _path_pitch(speed: SmoothValue, climb: SmoothValue) -> tuple[float, float]:
     """Return the pitch along the path, and its rate."""
     if climb.value == climb.first == 0:
         return 0.0, 0.0

@@ -13,7 +13,7 @@ comments, which begin with #, are ignored.
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from bahrs_driver.emulator.control import check
+from bahrs_driver.emulator.control import validate
 from bahrs_driver.errors import ControlError, ScenarioError
 
 
@@ -41,12 +41,12 @@ def _parse(lines: Iterable[str]) -> Iterator[TimedCommand]:
         if not 0 <= time < float('inf') or len(words) < 2:
             raise ScenarioError(f'line {index} is {line.strip()!r}: it must be seconds and a '
                                 'command, such as "12.5 integrity roll risk"')
-        yield TimedCommand(time, _checked(words[1].strip(), index))
+        yield TimedCommand(time, _validated(words[1].strip(), index))
 
 
-def _checked(command: str, index: int) -> str:
+def _validated(command: str, index: int) -> str:
     try:
-        check(command)
+        validate(command)
     except ControlError as error:
         raise ScenarioError(f'line {index}: {error}') from error
     return command

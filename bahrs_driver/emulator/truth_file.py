@@ -6,10 +6,10 @@ import json
 from typing import Protocol
 
 from bahrs_driver.emulator.emulation import SentFrame
-from bahrs_driver.emulator.host_time import HostTime
+from bahrs_driver.emulator.start_time import StartTime
 from bahrs_driver.units import NS_PER_S
 
-_FLUSH_PERIOD = 0.5         # s, after which others can read the lines
+_FLUSH_PERIOD = 0.5         # s; other programs read the file while it grows
 
 
 class TextOutput(Protocol):
@@ -39,22 +39,22 @@ class TruthFile:
         self._file = file
         self._flush_due = 0.0
 
-    def sent(self, sent: SentFrame, zero: HostTime) -> None:
+    def write_frame(self, frame: SentFrame, start_time: StartTime) -> None:
         """Write the true values of a frame."""
-        emission = sent.emission
-        self._write({'message': emission.name}, emission.time, zero,
-                    {**emission.truth, 'wire': sent.wire})
+        emission = frame.emission
+        self._write({'message': emission.name}, emission.time, start_time,
+                    {**emission.truth, 'wire': frame.fate})
 
-    def event(self, text: str, time: float, zero: HostTime) -> None:
+    def write_command(self, line: str, time: float, start_time: StartTime) -> None:
         """Write a command."""
-        self._write({'event': text}, time, zero, {})
+        self._write({'event': line}, time, start_time, {})
 
-    def _write(self, head: dict[str, object], time: float, zero: HostTime,
+    def _write(self, head: dict[str, object], time: float, start_time: StartTime,
                values: dict[str, object]) -> None:
-        since = round(time * NS_PER_S)
+        elapsed_ns = round(time * NS_PER_S)
         self._file.write(json.dumps({
-            **head, 'host_monotonic_ns': zero.monotonic_ns + since,
-            'host_unix_ns': zero.unix_ns + since, **values}) + '\n')
+            **head, 'host_monotonic_ns': start_time.monotonic_ns + elapsed_ns,
+            'host_unix_ns': start_time.unix_ns + elapsed_ns, **values}) + '\n')
         if time >= self._flush_due:
             self._flush_due = time + _FLUSH_PERIOD
             self._file.flush()

@@ -37,35 +37,35 @@ class Cable:
     def __init__(self, baud_rate: int, mode: str | float = AT_ONCE) -> None:
         self.mode = mode
         self.byte_time = BITS_PER_BYTE / baud_rate
-        self._free = 0.0                # when the line has sent everything
-        self._pieces: deque[tuple[float, bytes]] = deque()      # start on the line, bytes
+        self._line_free = 0.0           # time at which the line has sent everything
+        self._sent: deque[tuple[float, bytes]] = deque()    # bytes, with their start on the line
 
     def send(self, ready: float, data: bytes) -> bool:
         """
         Send data when it is ready and the line is free.
 
-        False if the output buffer of the device is full, and the data is lost.
+        Return False if the data is lost because the output buffer of the device is full.
         """
-        start = max(ready, self._free)
+        start = max(ready, self._line_free)
         if start > ready + LONGEST_QUEUE:
             return False
         if data:
-            self._free = start + len(data) * self.byte_time
-            self._pieces.append((start, data))
+            self._line_free = start + len(data) * self.byte_time
+            self._sent.append((start, data))
         return True
 
-    def cut(self, now: float) -> None:
-        """Drop the bytes that have not arrived, as unplugging the cable does."""
-        self._pieces = deque((start, data[:self._arrived(start, now)])
-                             for start, data in self._pieces if self._arrived(start, now))
-        self._free = now
+    def unplug(self, now: float) -> None:
+        """Unplug the cable: the bytes that have not arrived are lost."""
+        self._sent = deque((start, data[:self._count_arrived(start, now)])
+                           for start, data in self._sent if self._count_arrived(start, now))
+        self._line_free = now
 
     @property
     def next_time(self) -> float:
         """Time at which take() returns bytes; infinite while the line is idle."""
-        if not self._pieces:
+        if not self._sent:
             return math.inf
-        start, data = self._pieces[0]
+        start, data = self._sent[0]
         if self.mode == AT_ONCE:
             return start + len(data) * self.byte_time
         if self.mode == PACKETS:
@@ -81,14 +81,14 @@ class Cable:
             timer = float(self.mode)
             return self._take_arrived(math.floor(now / timer + _ROUNDING) * timer)
         data = b''
-        while self._pieces and (burst := self._burst_time()) <= now:
+        while self._sent and (burst := self._burst_time()) <= now:
             data += self._take_arrived(burst)
         return data
 
     def _burst_time(self) -> float:
-        """Return when the next packets are full or the line has been idle."""
+        """Return the time at which the next packets are full, or the line has been idle."""
         count, end = 0, math.inf
-        for start, data in self._pieces:
+        for start, data in self._sent:
             if start > end + IDLE_TIME:
                 break
             count += len(data)
@@ -98,19 +98,20 @@ class Cable:
         return end + IDLE_TIME
 
     def _take_arrived(self, until: float) -> bytes:
+        """Remove and return the bytes that have crossed the line by a time."""
         arrived = []
-        while self._pieces:
-            start, data = self._pieces[0]
-            count = self._arrived(start, until)
+        while self._sent:
+            start, data = self._sent[0]
+            count = self._count_arrived(start, until)
             if count < len(data):
                 if count:
                     arrived.append(data[:count])
-                    self._pieces[0] = start + count * self.byte_time, data[count:]
+                    self._sent[0] = start + count * self.byte_time, data[count:]
                 break
             arrived.append(data)
-            self._pieces.popleft()
+            self._sent.popleft()
         return b''.join(arrived)
 
-    def _arrived(self, start: float, now: float) -> int:
+    def _count_arrived(self, start: float, now: float) -> int:
         """Return how many bytes of an endless transmission from a start on have arrived."""
         return max(0, math.floor((now - start) / self.byte_time + _ROUNDING))

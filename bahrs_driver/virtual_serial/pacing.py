@@ -13,12 +13,12 @@ Piece = tuple[float, bytes]     # s since the beginning, and the bytes due then
 FramePeriod = Callable[[Frame], float | None]       # s between frames of this type, if regular
 
 
-def paced(chunks: Iterable[bytes], framer: Framer, period_of: FramePeriod) -> Iterator[Piece]:
+def pace(chunks: Iterable[bytes], framer: Framer, period_of: FramePeriod) -> Iterator[Piece]:
     """
     Cut a stream into pieces that are due together, with the time of each in seconds.
 
-    The shortest period of frames in the first chunk that has any sets the pace. No byte is left
-    out; bytes between frames go with the frame that follows.
+    The pace is the shortest period of the frames in the first chunk with periodic frames. Bytes
+    between frames are due with the frame that follows.
     """
     buffer = bytearray()
     period, ticks, start = None, 0, 0
@@ -36,18 +36,18 @@ def paced(chunks: Iterable[bytes], framer: Framer, period_of: FramePeriod) -> It
     yield ticks * (period or 0.0), bytes(buffer)
 
 
-def through(pieces: Iterable[Piece], cable: Cable, faults: Faults, framer: Framer
-            ) -> Iterator[Piece]:
+def transmit(pieces: Iterable[Piece], cable: Cable, faults: Faults,
+             framer: Framer) -> Iterator[Piece]:
     """Return the pieces as they arrive over a faulty cable; faults apply to whole frames."""
-    for due, data in chain(_whole(pieces, framer), [(float('inf'), b'')]):
+    for due, data in chain(_cut_after_frames(pieces, framer), [(float('inf'), b'')]):
         while (arrival := cable.next_time) < due:
             yield arrival, cable.take(arrival)
         if data:
             cable.send(due, faults.apply(data))
 
 
-def _whole(pieces: Iterable[Piece], framer: Framer) -> Iterator[Piece]:
-    """Cut pieces at the end of each frame, which is due with its last byte."""
+def _cut_after_frames(pieces: Iterable[Piece], framer: Framer) -> Iterator[Piece]:
+    """Cut pieces at the end of each frame; a frame is due with its last byte."""
     buffer, start, due = bytearray(), 0, 0.0
     for due, data in pieces:
         buffer += data

@@ -17,16 +17,17 @@ class Player:
     """
 
     def __init__(self, port: PtyPort, rate: float, settle: float, reopen_timeout: float | None,
-                 report: Callable[[str], None]) -> None:
+                 on_close: Callable[[str], None]) -> None:
         """
         Play on a port; no piece is played before play() is called.
 
         rate is the speed relative to the recording, settle the time in seconds that a reader gets
         after opening the port, reopen_timeout the longest time to wait for another reader.
+        on_close is called with a sentence for the user when the reader closes the port.
         """
         self.played = 0                 # bytes
         self._port, self._rate, self._settle = port, rate, settle
-        self._reopen_timeout, self._report = reopen_timeout, report
+        self._reopen_timeout, self._on_close = reopen_timeout, on_close
 
     def play(self, pieces: Iterable[Piece]) -> bool:
         """Play to the end; False if the reader closes the port and no reader opens it again."""
@@ -36,15 +37,15 @@ class Player:
             if ahead > 0:
                 time.sleep(ahead)
             while not self._write(data):
-                gone = time.monotonic()
-                if not self._reader_comes(due):
+                closed = time.monotonic()
+                if not self._wait_for_reader(due):
                     return False
-                start += time.monotonic() - gone
+                start += time.monotonic() - closed
         return True
 
     def _write(self, data: bytes) -> bool:
-        """Write a piece if there is a reader."""
-        if not data:            # after the end of the stream, when the reader may be gone
+        """Write a piece; return False if there is no reader for it."""
+        if not data:            # the end of the stream needs no reader
             return True
         if not self._port.is_open:
             return False
@@ -52,10 +53,10 @@ class Player:
         self.played += len(data)
         return True
 
-    def _reader_comes(self, due: float) -> bool:
+    def _wait_for_reader(self, due: float) -> bool:
         limit = '' if self._reopen_timeout is None else f' for {self._reopen_timeout:g} s'
-        self._report(f'the reader has closed the port {due:.1f} s after the start: waiting'
-                     f'{limit} until a program opens it again')
+        self._on_close(f'the reader has closed the port {due:.1f} s after the start: waiting'
+                       f'{limit} until a program opens it again')
         if not self._port.wait_until_open(self._reopen_timeout):
             return False
         time.sleep(self._settle)

@@ -18,9 +18,8 @@ from bahrs_driver.process.printable import printable
 
 _PSEUDO_TERMINAL = re.compile('/dev/pts/[0-9]+')
 _READ_SIZE = 4096
-_READER_POLL_PERIOD = 0.02     # s between checks for a reader at the other end
-_EXCLUSIVE_WAIT = 2.0   # s for a reader that has locked the port
-_UNKNOWN = -1           # number of bytes
+_READER_POLL_PERIOD = 0.02  # s between checks for a reader at the other end
+_LOCKED_WAIT = 2.0          # s for a reader that has locked the port
 
 
 class PtyPort:
@@ -78,9 +77,11 @@ class PtyPort:
         the port, wait for a fixed time instead.
         """
         waited = 0.0
-        while self.is_open and (unread := self._unread()):
-            if waited >= (min(timeout, _EXCLUSIVE_WAIT) if unread == _UNKNOWN else timeout):
-                return unread == _UNKNOWN
+        while self.is_open and (unread := self._count_unread()) != 0:
+            if unread is None and waited >= min(timeout, _LOCKED_WAIT):
+                return True
+            if waited >= timeout:
+                return False
             time.sleep(_READER_POLL_PERIOD)
             waited += _READER_POLL_PERIOD
         return True
@@ -89,30 +90,30 @@ class PtyPort:
         if not self._link:
             return
         if os.path.lexists(self._link):
-            self._refuse_foreign(self._link)
+            self._check_replaceable(self._link)
             self._link.unlink(missing_ok=True)
         with guard(self._link):
             self._link.symlink_to(self.path)
 
-    def _refuse_foreign(self, link: Path) -> None:
+    def _check_replaceable(self, link: Path) -> None:
         """Raise FileExistsError unless the link is left over from a killed emulator."""
         if not link.is_symlink():
             raise FileExistsError(f'{printable(link)} exists and is not a symbolic link: choose '
                                   'another name')
-        leads_to = os.readlink(link)
-        if not _PSEUDO_TERMINAL.fullmatch(leads_to):
-            raise FileExistsError(f'{printable(link)} leads to {printable(leads_to)}, which is '
+        target = os.readlink(link)
+        if not _PSEUDO_TERMINAL.fullmatch(target):
+            raise FileExistsError(f'{printable(link)} leads to {printable(target)}, which is '
                                   'not a port of an emulator: choose another name')
-        if leads_to != self.path and link.exists():
+        if target != self.path and link.exists():
             raise FileExistsError(f'{printable(link)} is the port of another program: end that, '
                                   'or remove the link')
 
-    def _unread(self) -> int:
-        """Return how many bytes are unread at the other end, if it can be opened."""
+    def _count_unread(self) -> int | None:
+        """Return how many bytes are unread at the other end; None if it cannot be opened."""
         try:
             far_end = os.open(self.path, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
         except OSError:         # the reader has locked it, and we are not root
-            return _UNKNOWN
+            return None
         try:
             count, = struct.unpack('i', fcntl.ioctl(far_end, termios.FIONREAD, bytes(4)))
         finally:
@@ -133,7 +134,7 @@ class PtyPort:
             except BlockingIOError:
                 self._poll(select.POLLOUT, _READER_POLL_PERIOD)
 
-    def write_at_once(self, data: bytes) -> int:
+    def write_nowait(self, data: bytes) -> int:
         """Send data without blocking; return how many bytes were sent, all without a reader."""
         if not data or not self.is_open:
             return len(data)

@@ -7,7 +7,7 @@ import struct
 import zlib
 
 from bahrs_driver.cli.main import main
-from bahrs_driver.emulator.bahrs.nvm_image import made_up_image
+from bahrs_driver.emulator.bahrs.nvm_image import example_image
 import pytest
 
 LOG = slice(80, 596)            # position and text of the assertions
@@ -22,7 +22,7 @@ def shown(capsys, tmp_path, image, *words):
 
 def test_show_does_nothing_to_a_terminal(capsys, tmp_path):
     """Whatever is in a memory; where it was erased there is nothing."""
-    image = bytearray(made_up_image())
+    image = bytearray(example_image())
     image[LOG] = bytes(4) + b'a.c:3\x1b[2J\n'.ljust(512, b'\xff')
     status, text, _ = shown(capsys, tmp_path, image)
     assert '\n  a.c:3\\x1b[2J\nCAN ' in text and '\x1b' not in text

@@ -5,10 +5,10 @@
 import io
 import json
 
-from bahrs_driver.emulator.control import check, execute
-from bahrs_driver.emulator.host_time import HostTime
+from bahrs_driver.emulator.control import execute, validate
 from bahrs_driver.emulator.scenario import parse, TimedCommand
-from bahrs_driver.emulator.session import Session
+from bahrs_driver.emulator.session import EmulationSession
+from bahrs_driver.emulator.start_time import StartTime
 from bahrs_driver.emulator.truth_file import TruthFile
 from bahrs_driver.errors import ControlError, ScenarioError
 from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation, SoftwareVersion
@@ -41,8 +41,8 @@ def test_one_signal_at_risk():
     assert message.health == (SAFE, SAFE, RISK, SAFE, SAFE)
 
 
-def test_a_whole_quantity_and_everything():
-    """A quantity sets its components, all sets every signal."""
+def test_integrity_of_a_quantity_and_of_all_signals():
+    """A quantity stands for its components, `all` for every signal."""
     assert last(after('integrity specific_force unavailable'), Inertial).health == (
         UNAVAILABLE, UNAVAILABLE, UNAVAILABLE, SAFE, SAFE, SAFE)
     everything = after('integrity all risk', 'integrity angular_rate_z safe')
@@ -55,23 +55,23 @@ def test_faults_and_timer_change():
     emulation = after('fault drop_frame=1', 'latency-timer packets')
     assert emulation.cable.mode == PACKETS
     sent, data = on_the_wire(emulation, 2.0)
-    assert sent and {item.wire for item in sent} == {'dropped'} and not data
+    assert sent and {item.fate for item in sent} == {'dropped'} and not data
     assert emulation.faults.counts['drop_frame'] == len(sent)
 
 
-def test_the_power_switch():
+def test_power_cycle():
     """The device sends its version again."""
     assert isinstance(last(after('power-cycle'), SoftwareVersion), SoftwareVersion)
 
 
-def test_unplugging():
-    """Frames sent meanwhile are lost and marked so; afterwards frames arrive again."""
+def test_unplug():
+    """Frames sent meanwhile are lost, and their fate says so; later frames arrive."""
     emulation = after('unplug 0.5')
     assert not emulation.plugged(1.4) and emulation.plugged(1.5)
     sent, data = on_the_wire(emulation, 1.4)
-    assert {item.wire for item in sent} == {'unplugged'} and not data
+    assert {item.fate for item in sent} == {'unplugged'} and not data
     sent, data = on_the_wire(emulation, 3.0)
-    assert len(decoded(data)) == sum(item.wire == 'intact' for item in sent) > 0
+    assert len(decoded(data)) == sum(item.fate == 'intact' for item in sent) > 0
 
 
 def test_drift_and_pulses():
@@ -112,7 +112,7 @@ def test_an_invalid_line_is_rejected(line, says):
     assert '\n' not in str(caught.value)
 
 
-def test_a_scenario_is_in_the_order_of_time():
+def test_commands_of_a_scenario_are_sorted_by_time():
     """The lines may have any order."""
     text = '20 integrity roll safe\n\n# a comment\n 12.5  integrity roll risk  # here\n'
     assert parse(text.splitlines()) == [
@@ -129,20 +129,20 @@ def test_an_invalid_scenario_is_rejected_before_it_starts(line, says):
         parse(['# first', line])
 
 
-def test_a_check_needs_no_emulation():
-    """The check finds errors that do not depend on the device."""
-    check('quit')
+def test_validation_needs_no_emulation():
+    """It finds errors that do not depend on the device."""
+    validate('quit')
     with pytest.raises(ControlError):
-        check('quit now')
+        validate('quit now')
 
 
-def test_a_scenario_happens_at_its_time():
-    """Commands take effect at their sample, and the truth has them."""
+def test_commands_of_a_scenario_are_executed_at_their_times():
+    """Commands take effect with the next sample, and the truth file contains them."""
     file = io.StringIO()
     scenario = parse(['1.005 integrity roll risk', '2.005 integrity roll safe',
                       '2.505 unplug 0.2'])
-    session = Session(make_emulation(make_device()), scenario, TruthFile(file))
-    session.advance(3.0, HostTime(100, 2000))
+    session = EmulationSession(make_emulation(make_device()), scenario, TruthFile(file))
+    session.advance(3.0, StartTime(100, 2000))
     messages = decoded(session.emulation.take(9.0))
     states = [message.health[2] for message in messages if isinstance(message, Navigation)]
     # Samples are at 0.60, 0.61, ... s; eight of them come before alignment.
@@ -158,8 +158,8 @@ def test_a_scenario_happens_at_its_time():
 def test_a_line_of_truth():
     """A line has message, times by all clocks, fate and true values."""
     file = io.StringIO()
-    session = Session(make_emulation(make_device()), (), TruthFile(file))
-    session.advance(0.6, HostTime(10, 20))
+    session = EmulationSession(make_emulation(make_device()), (), TruthFile(file))
+    session.advance(0.6, StartTime(10, 20))
     lines = [json.loads(line) for line in file.getvalue().splitlines()]
     inertial = next(line for line in lines if line['message'] == 'inertial')
     assert inertial == {
@@ -171,21 +171,21 @@ def test_a_line_of_truth():
                                'magnetic_heading', 'sequence', 'device_time_us'}
 
 
-def test_the_truth_can_be_read_while_it_is_written(tmp_path):
+def test_the_truth_file_can_be_read_while_it_is_written(tmp_path):
     """The file is flushed twice a second."""
     with open(tmp_path / 'truth', 'w') as file:
-        session = Session(make_emulation(make_device()), (), TruthFile(file))
-        session.advance(5.0, HostTime())
+        session = EmulationSession(make_emulation(make_device()), (), TruthFile(file))
+        session.advance(5.0, StartTime())
         last_line = (tmp_path / 'truth').read_text().splitlines()[-2]
     assert json.loads(last_line)['host_monotonic_ns'] > 4_400_000_000
 
 
 def test_a_slow_line_loses_frames():
-    """The line is fully used."""
+    """The line transmits as many bytes as its baud rate allows."""
     emulation = make_emulation(make_device(debug_rate=200.0))
     sent, data = on_the_wire(emulation, 20.0)
-    kept = [item for item in sent if item.wire == 'intact']
-    assert {item.wire for item in sent} == {'intact', 'overrun'}
-    assert emulation.wire_counts['overrun'] == len(sent) - len(kept)
+    kept = [item for item in sent if item.fate == 'intact']
+    assert {item.fate for item in sent} == {'intact', 'overrun'}
+    assert emulation.fate_counts['overrun'] == len(sent) - len(kept)
     assert data == b''.join(item.emission.data for item in kept)
     assert len(data) == pytest.approx(11520 * 19.4, rel=0.02)

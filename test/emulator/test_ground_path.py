@@ -6,20 +6,21 @@ import math
 
 from bahrs_driver.emulator.flights import Flight, Still
 from bahrs_driver.emulator.ground_path import GroundPath
-from bahrs_driver.emulator.motion import Change, truth
+from bahrs_driver.emulator.motion import SmoothValue, true_values
 from pyproj import Geod
 import pytest
 
 WGS84 = Geod(ellps='WGS84')
-AWAY = Change(0.0)
+AWAY = SmoothValue(0.0)
 
 
 class Straight:
     """A constant speed and course."""
 
     def __init__(self, speed, course, height=0.0):
-        """Take m/s, degrees and m."""
-        self._truth = truth(Change(speed), AWAY, Change(math.radians(course)), Change(1.0), height)
+        """Set the speed in m/s, the course in degrees and the height in m."""
+        self._truth = true_values(SmoothValue(speed), AWAY, SmoothValue(math.radians(course)),
+                                  SmoothValue(1.0), height)
 
     def at(self, time):
         """Return the true values, which never change."""
@@ -31,9 +32,9 @@ class Straight:
     ((60.0, 5.0), 180.0, 250.0)])
 def test_along_the_equator_and_along_a_meridian_it_is_the_geodesic(start, course, speed):
     """The error is at most 0.1 mm after ten minutes, across the date line, too."""
-    _, place, (north, east) = GroundPath(Straight(speed, course), *start).at(600.0)
+    _, position, (north, east) = GroundPath(Straight(speed, course), *start).at(600.0)
     longitude, latitude, _ = WGS84.fwd(start[1], start[0], course, 600.0 * speed)
-    _, _, away = WGS84.inv(longitude, latitude, place.longitude, place.latitude)
+    _, _, away = WGS84.inv(longitude, latitude, position.longitude, position.latitude)
     assert away < 1e-4
     assert math.hypot(north, east) == pytest.approx(600.0 * speed, abs=1e-6)
 
@@ -65,6 +66,6 @@ def test_times_in_any_order():
 
 def test_at_rest_nothing_moves():
     """The position does not change."""
-    _, place, moved = GroundPath(Still(), 47.0, 11.0).at(1000.0)
-    assert (round(place.latitude, 12), round(place.longitude, 12), moved) == (
+    _, position, moved = GroundPath(Still(), 47.0, 11.0).at(1000.0)
+    assert (round(position.latitude, 12), round(position.longitude, 12), moved) == (
         47.0, 11.0, (0.0, 0.0))

@@ -8,9 +8,10 @@ import os
 import threading
 import time
 
-from bahrs_driver.emulator.runner import ControlInput, PacedRun, run_to_file
+from bahrs_driver.emulator.control_input import ControlInput
+from bahrs_driver.emulator.runner import RealTimeRun, run_to_file
 from bahrs_driver.emulator.scenario import parse
-from bahrs_driver.emulator.session import Session
+from bahrs_driver.emulator.session import EmulationSession
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec
 from bahrs_driver.protocol.bahrs.messages import Acknowledgement, EnterDiagnostics, Inertial
 import pytest
@@ -38,7 +39,7 @@ def opened(path):
         os.close(port)
 
 
-def heard(port):
+def received(port):
     """Return all unread bytes of a port: one read may return fewer."""
     data = b''
     with contextlib.suppress(BlockingIOError):
@@ -48,17 +49,17 @@ def heard(port):
 
 
 class Run:
-    """A paced run without commands that records names and complaints."""
+    """A real-time run that records the names of ports, and errors of commands."""
 
     def __init__(self, link=None, commands=None):
         """Set the source of commands."""
-        self.names, self.complaints = [], []
-        self.paced = PacedRun(link, commands or ControlInput(None), self.names.append,
-                              self.complaints.append)
+        self.names, self.errors = [], []
+        self.real_time = RealTimeRun(link, commands or ControlInput(None), self.names.append,
+                                     self.errors.append)
 
     def started(self):
         """Start; return the port."""
-        self.paced.start()
+        self.real_time.start()
         return self.names[-1]
 
     def __enter__(self):
@@ -66,106 +67,107 @@ class Run:
         return self
 
     def __exit__(self, *_):
-        """Take the port away."""
-        self.paced.close()
+        """Close the port."""
+        self.real_time.close()
 
 
 def session(*scenario, **behavior):
     """Return a session with a scenario."""
-    return Session(make_emulation(make_device(**behavior)), parse(scenario))
+    return EmulationSession(make_emulation(make_device(**behavior)), parse(scenario))
 
 
-def test_it_keeps_time_and_ends_in_time():
+def test_a_run_lasts_its_duration():
     """The bytes of a second take a second."""
     with Run() as run, opened(run.started()) as port:
         began = time.monotonic()
-        run.paced.run(session(), 1.0)
+        run.real_time.run(session(), 1.0)
         assert time.monotonic() - began >= 1.0
-        inertial = [message for message in decoded(heard(port))
+        inertial = [message for message in decoded(received(port))
                     if isinstance(message, Inertial)]
     assert len(inertial) == pytest.approx(80, abs=2)
-    assert run.paced.lost == 0
+    assert run.real_time.lost == 0
 
 
 def test_a_late_process_catches_up():
-    """Everything happens, even if the process slept meanwhile."""
+    """All commands and samples are processed, even if the process slept meanwhile."""
     with Run() as run, opened(run.started()) as port:
         time.sleep(0.8)
-        talk = session('0.1 integrity nose risk', '0.6 quit')
-        run.paced.run(talk, 0.7)
-        inertial = [message for message in decoded(heard(port)) if isinstance(message, Inertial)]
+        running = session('0.1 integrity nose risk', '0.6 quit')
+        run.real_time.run(running, 0.7)
+        inertial = [message for message in decoded(received(port))
+                    if isinstance(message, Inertial)]
     assert len(inertial) == pytest.approx(20, abs=2)
-    assert len(run.complaints) == 1 and talk.emulation.ended
+    assert len(run.errors) == 1 and running.emulation.ended
 
 
-def test_time_zero_on_all_clocks():
+def test_start_time_on_all_clocks():
     """Time starts at start()."""
     with Run() as run:
-        zero = run.paced.start()
-    assert abs(zero.monotonic_ns - time.monotonic_ns()) < 60e9
-    assert abs(zero.unix_ns - time.time_ns()) < 60e9
+        start_time = run.real_time.start()
+    assert abs(start_time.monotonic_ns - time.monotonic_ns()) < 60e9
+    assert abs(start_time.unix_ns - time.time_ns()) < 60e9
 
 
 def test_end():
     """end() works while the run waits for a reader, and later."""
     with Run() as run:
-        threading.Timer(0.1, run.paced.end).start()
-        run.paced.start(wait=True)
-        run.paced.run(session())
+        threading.Timer(0.1, run.real_time.end).start()
+        run.real_time.start(wait=True)
+        run.real_time.run(session())
     with Run() as run:
-        threading.Timer(0.2, run.paced.end).start()
-        run.paced.start()
-        run.paced.run(session())
+        threading.Timer(0.2, run.real_time.end).start()
+        run.real_time.start()
+        run.real_time.run(session())
 
 
 def test_requests_are_answered():
     """Answers have the order of requests."""
     with Run() as run, opened(run.started()) as port:
         os.write(port, BahrsCodec().encode(EnterDiagnostics(), 3))
-        talk, data, until = session(), b'', 0.0
+        running, data, until = session(), b'', 0.0
         while Acknowledgement(0xF0, 0) not in decoded(data) and until < 60.0:
             until += 0.3
-            run.paced.run(talk, until)
-            data += heard(port)
+            run.real_time.run(running, until)
+            data += received(port)
     assert Acknowledgement(0xF0, 0) in decoded(data)
 
 
-def test_unplug_and_plug_in(tmp_path):
+def test_unplug_and_plug_in_again(tmp_path):
     """The link is removed and created again; a new reader gets data."""
     link = tmp_path / 'port'
     with Run(str(link)) as run:
-        run.paced.start()
-        talk = session('0.05 unplug 0.2')
-        run.paced.run(talk, 0.15)
+        run.real_time.start()
+        running = session('0.05 unplug 0.2')
+        run.real_time.run(running, 0.15)
         assert not link.is_symlink()
-        run.paced.run(talk, 0.4)
+        run.real_time.run(running, 0.4)
         assert link.is_symlink() and run.names == [str(link)] * 2
         with opened(link) as port:
-            run.paced.run(talk, 1.0)
-            assert decoded(heard(port))
+            run.real_time.run(running, 1.0)
+            assert decoded(received(port))
     assert not link.is_symlink()
 
 
-def test_a_slow_reader_loses_bytes_and_blocks_nothing():
+def test_a_slow_reader_loses_bytes_and_does_not_block_the_run():
     """The lost bytes are counted."""
     with Run() as run, opened(run.started()):
-        talk = session()
-        talk.emulation.cable.send(0.0, bytes(1_000_000))
-        talk.emulation.cable.byte_time = 1e-9
-        run.paced.run(talk, 0.2)
-        assert run.paced.lost > 500_000
+        running = session()
+        running.emulation.cable.send(0.0, bytes(1_000_000))
+        running.emulation.cable.byte_time = 1e-9
+        run.real_time.run(running, 0.2)
+        assert run.real_time.lost > 500_000
 
 
-def test_invalid_commands_end_nothing():
-    """An invalid command of a scenario ends nothing either."""
+def test_invalid_commands_do_not_end_the_run():
+    """Neither those of the user, nor those of a scenario."""
     with control() as (commands, say), Run(commands=commands) as run:
-        run.paced.start()
+        run.real_time.start()
         say(b'nonsense\nfault rust=1\n')
-        talk = session('0.05 integrity nose risk', '0.1 quit')
-        run.paced.run(talk, 10.0)
-    assert talk.emulation.ended
-    assert len(run.complaints) == 3
-    assert all(any(word in complaint for complaint in run.complaints)
+        running = session('0.05 integrity nose risk', '0.1 quit')
+        run.real_time.run(running, 10.0)
+    assert running.emulation.ended
+    assert len(run.errors) == 3
+    assert all(any(word in error for error in run.errors)
                for word in ('nonsense', 'rust', 'nose'))
 
 
@@ -173,16 +175,16 @@ def test_lines_in_pieces():
     """The last line may lack its end."""
     with control() as (commands, say):
         say(b'first\nsec')
-        assert commands.lines() == ['first']
+        assert commands.read_lines() == ['first']
         say(b'ond\nthird\n')
-        assert commands.lines() == ['second', 'third']
+        assert commands.read_lines() == ['second', 'third']
     out, into = os.pipe()
     os.write(into, b'last')
     os.close(into)
     commands = ControlInput(out)
-    assert commands.lines() == []
-    assert commands.lines() == ['last'] and commands.descriptor is None
-    assert commands.lines() == []
+    assert commands.read_lines() == []
+    assert commands.read_lines() == ['last'] and commands.descriptor is None
+    assert commands.read_lines() == []
     os.close(out)
 
 
@@ -191,7 +193,7 @@ def test_a_file_gets_all_bytes():
     results = set()
     for mode in ('none', 'packets', 0.016):
         file = io.BytesIO()
-        run_to_file(Session(make_emulation(mode=mode)), 2.5, file)
+        run_to_file(EmulationSession(make_emulation(mode=mode)), 2.5, file)
         results.add(file.getvalue())
     assert len(results) == 1
     assert len(decoded(results.pop())) > 1.8 * 330

@@ -9,7 +9,7 @@ from bahrs_driver.convert.axes import flu_to_enu, quaternion_from_euler
 from bahrs_driver.convert.titan_m.converter import TOPICS
 from bahrs_driver.emulator.flights import Flight, SteadyTurn
 from bahrs_driver.emulator.measurement_errors import DEVIATIONS, MeasurementErrors
-from bahrs_driver.emulator.titan_m.measurements import HIGHEST_DIFFERENCE
+from bahrs_driver.emulator.titan_m.measurements import MAX_DIFFERENTIAL_PRESSURE
 from bahrs_driver.protocol.titan_m.messages import (
     ADC_FORCE,
     ADC_RATE_DEG,
@@ -129,7 +129,7 @@ def test_a_whole_flight_across_the_equator_and_a_zone_border(payload, checksum, 
             assert worst([ros['static_pressure'].fluid_pressure], [truth['absolute_pressure']],
                          PRESSURE) <= HALF
             assert worst([ros['differential_pressure'].fluid_pressure],
-                         [min(truth['differential_pressure'], HIGHEST_DIFFERENCE)],
+                         [min(truth['differential_pressure'], MAX_DIFFERENTIAL_PRESSURE)],
                          DIFFERENTIAL_PRESSURE) <= HALF
     assert {zone for zone, _ in seen} == {31, 32}
     assert {northern for _, northern in seen} == {True, False}
@@ -153,7 +153,7 @@ def test_rates_are_kept_and_losses_counted_with_one_in_a_hundred_damaged(length,
         assert poller.answered[kind] >= 0.985 * rate * seconds
         assert poller.answered[kind] <= rate * seconds + 1
     # Truth: what the cable damaged on its way back, and on its way there.
-    intact = [sent for sent in polled.sent if sent.wire == 'intact']
+    intact = [sent for sent in polled.sent if sent.fate == 'intact']
     damaged = len(polled.sent) - len(intact)
     unheard = polled.asked_bytes // 8 - len(polled.sent)
     assert damaged > 50 and unheard > 0

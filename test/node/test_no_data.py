@@ -26,7 +26,7 @@ def sending(port, data):
 
     def send():
         while not ended.wait(0.1):
-            port.write_at_once(data)
+            port.write_nowait(data)
 
     thread = threading.Thread(target=send)
     thread.start()

@@ -400,8 +400,8 @@ def test_what_the_command_line_refuses(words, sentence):
 
 def test_show(tmp_path):
     """The content of an image; a damaged block is named."""
-    from bahrs_driver.emulator.bahrs.nvm_image import made_up_image
-    image = bytearray(made_up_image())
+    from bahrs_driver.emulator.bahrs.nvm_image import example_image
+    image = bytearray(example_image())
     file = tmp_path / 'image.bin'
     file.write_bytes(image)
     status, out, error = run_bahrs('nvm', 'show', file)

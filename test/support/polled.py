@@ -11,7 +11,7 @@ from bahrs_driver.emulator.ground_path import GroundPath
 from bahrs_driver.emulator.measurement_errors import MeasurementErrors
 from bahrs_driver.emulator.motion import Motion
 from bahrs_driver.emulator.titan_m.device import TitanBehavior, TitanDevice
-from bahrs_driver.emulator.titan_m.measurements import TitanMeasures
+from bahrs_driver.emulator.titan_m.measurements import TitanMeasurements
 from bahrs_driver.pipeline import Pipeline
 from bahrs_driver.protocol.framing import Frame, Framer
 from bahrs_driver.protocol.titan_m.byte_order import PayloadDecoder
@@ -38,9 +38,9 @@ def make_titan(motion: Motion | None = None, start: tuple[float, float] = (47.0,
                errors: MeasurementErrors | None = None, seed: int = 1,
                **behavior: Any) -> TitanDevice:
     """Return a device that is at rest and measures without error by default."""
-    measures = TitanMeasures(GroundPath(motion or Still(), *start),
-                             errors or MeasurementErrors(seed))
-    return TitanDevice(TitanBehavior(**behavior), measures, BITS_PER_BYTE / BAUD_RATE, seed)
+    measurements = TitanMeasurements(GroundPath(motion or Still(), *start),
+                                     errors or MeasurementErrors(seed))
+    return TitanDevice(TitanBehavior(**behavior), measurements, BITS_PER_BYTE / BAUD_RATE, seed)
 
 
 class _RecordingDecoder(TitanDecoder):

@@ -10,7 +10,7 @@ from bahrs_driver.clock import SampleClock
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Framer
-from bahrs_driver.virtual_serial.pacing import paced
+from bahrs_driver.virtual_serial.pacing import pace
 from hypothesis import example, given, settings, strategies as st
 import pytest
 from support.cut_streams import (
@@ -33,7 +33,7 @@ BAHRS = DEVICES['bahrs']
 def recorded(adapter: Adapter) -> Stream:
     """Return the first half minute of the recording, after the pause at its beginning."""
     data = shared_file('data/bahrs_recording_v2.bin').read_bytes()[644:200_000]
-    pieces = list(paced([data], Framer(BAHRS.frame_format()), BAHRS.frame_period))
+    pieces = list(pace([data], Framer(BAHRS.frame_format()), BAHRS.frame_period))
     truth: dict[int, tuple[int, int]] = {}
     offset = 0
     for index, (_, piece) in enumerate(pieces):         # an inertial message begins each

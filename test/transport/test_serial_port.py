@@ -232,7 +232,7 @@ def test_opened_and_closed_under_a_writer_and_replugged():
             with PtyPort() as port:
                 link._path = port.path      # like a changed symbolic link
                 link.connect()              # LinkError if it was in use
-                port.write_at_once(b'x')
+                port.write_nowait(b'x')
                 link.read()
                 if turn % 2:
                     link.close()

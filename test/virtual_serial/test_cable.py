@@ -86,7 +86,7 @@ def test_unplugging_loses_bytes_on_the_line():
     cable.send(0.0, b'abcd')
     cable.send(0.0, b'efgh')
     cable.send(0.0, b'ijkl')
-    cable.cut(0.006)
+    cable.unplug(0.006)
     cable.send(0.1, b'mn')
     assert arrivals(cable, 9.0) == [(0.004, b'abcd'), (0.006, b'ef'), (0.102, b'mn')]
 

@@ -7,15 +7,15 @@ from bahrs_driver.protocol.bahrs.frames import BahrsFormat
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.virtual_serial.cable import Cable
 from bahrs_driver.virtual_serial.faults import Faults
-from bahrs_driver.virtual_serial.pacing import paced as paced_frames, through
+from bahrs_driver.virtual_serial.pacing import pace, transmit
 import pytest
 from support.emulated import emissions, make_device
 
 
 def paced(chunks):
-    """Schedule the bytes of a BAHRS."""
+    """Return the bytes of a BAHRS, with their times."""
     spec = DEVICES['bahrs']
-    return paced_frames(chunks, Framer(spec.frame_format()), spec.frame_period)
+    return pace(chunks, Framer(spec.frame_format()), spec.frame_period)
 
 
 def test_an_emulated_stream_gets_its_own_times_back():
@@ -38,7 +38,7 @@ def test_bytes_without_frames_are_due_at_once():
 def test_over_a_good_cable():
     """Each frame arrives when the line has sent it."""
     pieces = [(0.0, b'abc'), (1.0, b'de'), (1.0, b'f')]
-    arrived = list(through(pieces, Cable(115200), Faults(1), Framer(BahrsFormat())))
+    arrived = list(transmit(pieces, Cable(115200), Faults(1), Framer(BahrsFormat())))
     assert b''.join(data for _, data in arrived) == b'abcdef'
     assert arrived[-1][0] == pytest.approx(1.0, abs=0.001)
 
@@ -47,7 +47,7 @@ def test_over_a_faulty_cable():
     """Whole frames are lost, and the adapter holds bytes back."""
     data = b''.join(emission.data for emission in emissions(make_device(), 3.0))
     faults = Faults(1, {'drop_frame': 0.5})
-    arrived = list(through(paced([data]), Cable(115200, 0.016), faults, Framer(BahrsFormat())))
+    arrived = list(transmit(paced([data]), Cable(115200, 0.016), faults, Framer(BahrsFormat())))
     framer = Framer(BahrsFormat())
     frames = framer.feed(b''.join(piece for _, piece in arrived))
     assert framer.counters.skipped_bytes == 0

@@ -44,7 +44,7 @@ def test_is_open():
         assert not port.is_open and not port.wait_until_open(0.05)
         assert port.read() == b''
         port.write(b'lost')
-        assert port.write_at_once(b'lost') == 4
+        assert port.write_nowait(b'lost') == 4
         with opened(port.path) as far:
             assert port.is_open and port.wait_until_open(0.0)
             with pytest.raises(BlockingIOError):
@@ -122,7 +122,7 @@ def test_a_locked_port_gets_a_fixed_time():
 def test_a_write_that_must_not_block():
     """The count of written bytes is returned; the rest is lost, as on a real line."""
     with PtyPort() as port, opened(port.path) as far:
-        taken = sum(port.write_at_once(bytes(1024)) for _ in range(1000))
+        taken = sum(port.write_nowait(bytes(1024)) for _ in range(1000))
         assert 0 < taken < 1_024_000
         got = 0
         with contextlib.suppress(BlockingIOError):

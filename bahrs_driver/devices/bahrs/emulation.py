@@ -5,13 +5,13 @@
 import argparse
 
 from bahrs_driver.emulator.bahrs.device import BahrsBehavior, BahrsDevice, START_UPS
-from bahrs_driver.emulator.bahrs.diagnostics_mode import INACTIVITY, ServiceBehavior
-from bahrs_driver.emulator.bahrs.nvm_image import made_up_image, SIZE
+from bahrs_driver.emulator.bahrs.diagnostics_mode import INACTIVITY_TIMEOUT, ServiceBehavior
+from bahrs_driver.emulator.bahrs.nvm_image import example_image, SIZE
 from bahrs_driver.emulator.bahrs.pulses import Pulses
 from bahrs_driver.emulator.device_clock import DeviceClock
-from bahrs_driver.emulator.host_time import HostTime
 from bahrs_driver.emulator.measurement_errors import MeasurementErrors
 from bahrs_driver.emulator.motion import Motion
+from bahrs_driver.emulator.start_time import StartTime
 from bahrs_driver.process.argument_types import argument_type, bounded_float, open_input
 from bahrs_driver.process.text_values import whole
 from bahrs_driver.protocol.bahrs.messages import VERSIONS
@@ -26,13 +26,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def make_device(options: argparse.Namespace, motion: Motion, errors: MeasurementErrors,
-                zero: HostTime) -> BahrsDevice:
-    """Return the device that the options describe; zero is the host time of time 0."""
+                start_time: StartTime) -> BahrsDevice:
+    """Return the device that the options describe."""
     behavior = BahrsBehavior(
         options.protocol_version, options.crc, options.time_label, options.start_up,
         options.debug_rate, options.output_delay / 1000, _service(options))
     clock = DeviceClock(options.seed, options.drift_ppm, options.wander_ppm, options.clock_start)
-    pulses = Pulses(options.sync_pulse_rate, origin=-(zero.unix_ns % NS_PER_S) / NS_PER_S)
+    pulses = Pulses(options.sync_pulse_rate, origin=-(start_time.unix_ns % NS_PER_S) / NS_PER_S)
     return BahrsDevice(behavior, motion, errors, clock, pulses)
 
 
@@ -82,9 +82,10 @@ def _add_service(parser: argparse.ArgumentParser) -> None:
                             '0.5 s of power-on, as known firmware does (default: %(default)s)')
     group.add_argument('--nvm-error-pages', type=argument_type(_pages), default=frozenset(),
                        metavar='PAGE[,PAGE...]', help='pages that cannot be read (default: none)')
-    group.add_argument('--nvm-timeout', type=bounded_float('a time-out'), default=INACTIVITY,
-                       metavar='SECONDS', help='time without a request after which the device '
-                       'leaves the mode (default: %(default)g)')
+    group.add_argument('--nvm-timeout', type=bounded_float('a time-out'),
+                       default=INACTIVITY_TIMEOUT, metavar='SECONDS',
+                       help='time without a request after which the device leaves the mode '
+                            '(default: %(default)g)')
     group.add_argument('--service-crc', choices=('crc32', 'mpeg2'), default='crc32',
                        help="CRC of service frames: CRC-32, as the manufacturer's tool uses it, "
                             'or CRC-32/MPEG-2, as the protocol document says (default: '
@@ -98,7 +99,7 @@ def _add_service(parser: argparse.ArgumentParser) -> None:
 def _service(options: argparse.Namespace) -> ServiceBehavior:
     return ServiceBehavior(
         'crc32' if options.service_crc == 'crc32' else 'byte', options.service_padding == 'yes',
-        options.nvm_window, options.nvm_error_pages, options.nvm or made_up_image(),
+        options.nvm_window, options.nvm_error_pages, options.nvm or example_image(),
         options.nvm_timeout)
 
 

@@ -19,7 +19,7 @@ from bahrs_driver.protocol.framing import Frame, FrameFormat, Framer
 if TYPE_CHECKING:
     from bahrs_driver.devices.nvm_reader import NvmReader
     from bahrs_driver.devices.parts import Parts
-    from bahrs_driver.emulator.device import DeviceEmulation
+    from bahrs_driver.emulator.device import EmulatedDeviceFactory
     from bahrs_driver.pipeline import Pipeline
     from bahrs_driver.transport.link import Link
 
@@ -48,7 +48,7 @@ class BahrsSpec(DeviceSpec[BahrsSettings]):
         """Return the seconds between regular frames of this type; None for other frames."""
         return PERIODS.get(frame_type(frame.data))
 
-    def emulation(self) -> 'DeviceEmulation':
+    def emulation(self) -> 'EmulatedDeviceFactory':
         """Return what emulates the device."""
         from bahrs_driver.devices.bahrs import emulation
         return emulation

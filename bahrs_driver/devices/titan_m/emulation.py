@@ -5,11 +5,11 @@
 import argparse
 
 from bahrs_driver.emulator.ground_path import GroundPath
-from bahrs_driver.emulator.host_time import HostTime
 from bahrs_driver.emulator.measurement_errors import MeasurementErrors
 from bahrs_driver.emulator.motion import Motion
+from bahrs_driver.emulator.start_time import StartTime
 from bahrs_driver.emulator.titan_m.device import TitanBehavior, TitanDevice
-from bahrs_driver.emulator.titan_m.measurements import TitanMeasures, WEEK_MS
+from bahrs_driver.emulator.titan_m.measurements import TitanMeasurements, WEEK_MS
 from bahrs_driver.process.argument_types import argument_type, bounded_float
 from bahrs_driver.process.text_values import number, whole
 from bahrs_driver.protocol.titan_m.messages import Gps, Sensors, State
@@ -52,16 +52,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def make_device(options: argparse.Namespace, motion: Motion, errors: MeasurementErrors,
-                _zero: HostTime) -> TitanDevice:
+                _start_time: StartTime) -> TitanDevice:
     """Return the device that the options describe; into a file it sends without requests."""
     behavior = TitanBehavior(
         payload_order=options.payload_order, checksum_order=options.checksum_order,
         request_order=options.request_order, sensors_length=int(options.sensors_len, 16),
         returns_id=options.answer_id == 'same', answer_delay=options.answer_delay / 1000,
         late_share=options.late_answers, first_fix=options.first_fix,
-        by_itself=OUTPUT_RATES if options.output else {})
-    measures = TitanMeasures(GroundPath(motion, *options.start), errors, options.gps_start)
-    return TitanDevice(behavior, measures, BITS_PER_BYTE / options.baud_rate, options.seed)
+        unrequested=OUTPUT_RATES if options.output else {})
+    measurements = TitanMeasurements(GroundPath(motion, *options.start), errors, options.gps_start)
+    return TitanDevice(behavior, measurements, BITS_PER_BYTE / options.baud_rate, options.seed)
 
 
 def _start(text: str) -> tuple[float, float]:

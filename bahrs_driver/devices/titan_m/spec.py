@@ -14,7 +14,7 @@ from bahrs_driver.protocol.titan_m.messages import StateRequest
 
 if TYPE_CHECKING:
     from bahrs_driver.devices.parts import Parts
-    from bahrs_driver.emulator.device import DeviceEmulation
+    from bahrs_driver.emulator.device import EmulatedDeviceFactory
 
 
 class TitanSpec(DeviceSpec[TitanMSettings]):
@@ -36,7 +36,7 @@ class TitanSpec(DeviceSpec[TitanMSettings]):
         """Return the frame format with default settings."""
         return AnswerFormat()
 
-    def emulation(self) -> 'DeviceEmulation':
+    def emulation(self) -> 'EmulatedDeviceFactory':
         """Return what emulates the device."""
         from bahrs_driver.devices.titan_m import emulation
         return emulation

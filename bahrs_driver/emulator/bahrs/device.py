@@ -119,34 +119,36 @@ class BahrsDevice(EmulatedDevice):
             return []
         messages = [*self.stream.sample(self._motion.at(time), reading), *self._pulse(time)]
         emissions = [self._emission(item, time, reading) for item in messages]
-        emissions += self._debug(time, reading)
-        self._wait_for_next_sample()
+        emissions += self._debug_frames(time, reading)
+        self._advance_clock()
         return emissions
 
     def receive(self, data: bytes, time: float) -> list[Emission]:
         """Receive bytes from the host and return the answers."""
-        return [self._service(message, time)
+        return [self._answer(message, time)
                 for message in self._diagnostics.receive(data, time)]
 
-    def _service(self, message: BahrsMessage, time: float) -> Emission:
+    def _answer(self, message: BahrsMessage, time: float) -> Emission:
         behavior = self._behavior
         frame = self._codec.encode(message, behavior.version, behavior.service.checksum)
         return Emission(time + ANSWER_DELAY, frame, message.NAME, {}, time)
 
     def _boot(self) -> Iterator[Emission]:
+        """Return the version messages, and advance the clock to the first sample."""
         versions = [SOFTWARE, HARDWARE] if self._behavior.version >= HARDWARE.SINCE else [SOFTWARE]
         for message in versions:
             yield self._emission(SimulatedMessage(message), self._power_on, self.clock.reading_us)
         self.clock.advance(self._start_up.first_sample_us)
         self.pulses.skip_until(self.clock.time)
 
-    def _wait_for_next_sample(self) -> None:
+    def _advance_clock(self) -> None:
+        """Advance the clock to the next sample."""
         start_up = self._start_up
         pause = start_up.pause_us if self.stream.count == start_up.pause_before else 0
         self.clock.advance(INERTIAL_PERIOD_US + pause)
 
     def _pulse(self, time: float) -> Iterator[SimulatedMessage]:
-        pulse = self.pulses.latest(time)
+        pulse = self.pulses.take_latest(time)
         if pulse is not None:
             sequence = self._pulse_count % COUNTER_MODULUS
             message = SyncPulseTime(sequence, self.clock.reading_at(pulse))
@@ -162,7 +164,7 @@ class BahrsDevice(EmulatedDevice):
         return Emission(time + behavior.output_delay, frame, message.NAME, truth,
                         time if item.time is None else item.time)
 
-    def _debug(self, time: float, reading: int) -> Iterator[Emission]:
+    def _debug_frames(self, time: float, reading: int) -> Iterator[Emission]:
         rate = self._behavior.debug_rate
         if not rate or self.stream.count % round(US_PER_S / INERTIAL_PERIOD_US / rate):
             return

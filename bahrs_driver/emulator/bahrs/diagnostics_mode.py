@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import math
 from typing import Literal
 
-from bahrs_driver.emulator.bahrs.nvm_image import made_up_image, page
+from bahrs_driver.emulator.bahrs.nvm_image import example_image, page
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat, frame_size
 from bahrs_driver.protocol.bahrs.messages import (
     Acknowledgement,
@@ -28,7 +28,7 @@ from bahrs_driver.protocol.bahrs.messages import (
 from bahrs_driver.protocol.bahrs.nvm_session import PAGES
 from bahrs_driver.protocol.framing import Frame, Framer
 
-INACTIVITY = 5.0                # s without a request, by the document
+INACTIVITY_TIMEOUT = 5.0                # s without a request, by the document
 POWER_ON_WINDOW = 0.5           # s
 OK, FAILED = 0x00, 0xFF
 
@@ -44,8 +44,8 @@ class ServiceBehavior:
     padded: bool = False                    # 0xF0 and 0xF1, by the document
     window: Literal['always', 'power-on'] = 'always'
     error_pages: frozenset[int] = frozenset()
-    image: bytes = field(default_factory=made_up_image)
-    timeout: float = INACTIVITY
+    image: bytes = field(default_factory=example_image)
+    timeout: float = INACTIVITY_TIMEOUT
 
 
 class DiagnosticsMode:
@@ -60,11 +60,11 @@ class DiagnosticsMode:
         """Restart as after power-on."""
         self._framer = Framer(BahrsFormat())
         self._power_on = time
-        self._heard = -math.inf         # time of the last request, in the mode
+        self._last_request = -math.inf      # its time; -inf outside the mode
 
     def active(self, time: float) -> bool:
         """Return whether the device is in diagnostics mode."""
-        return time < self._heard + self._behavior.timeout
+        return time < self._last_request + self._behavior.timeout
 
     def receive(self, data: bytes, time: float) -> list[BahrsMessage]:
         """Receive bytes from the host and return the answers."""
@@ -86,10 +86,10 @@ class DiagnosticsMode:
         if not self.active(time):
             return None
         if isinstance(request, NvmReadRequest):
-            self._heard = time
+            self._last_request = time
             return self._read(request.page)
         if isinstance(request, ExitDiagnostics):
-            self._heard = -math.inf
+            self._last_request = -math.inf
             return Acknowledgement(ExitDiagnostics.TYPE, OK)
         return None
 
@@ -97,7 +97,7 @@ class DiagnosticsMode:
         in_window = self._behavior.window == 'always' or time <= self._power_on + POWER_ON_WINDOW
         if not in_window and not self.active(time):
             return None
-        self._heard = time
+        self._last_request = time
         return Acknowledgement(EnterDiagnostics.TYPE, OK)
 
     def _read(self, number: int) -> BahrsMessage:

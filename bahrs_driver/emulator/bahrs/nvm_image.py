@@ -16,7 +16,7 @@ SIZE = PAGES * PAGE_SIZE
 _ASSERTION = 'Emulator.cpp:1 assert(device is real)\n'
 
 
-def made_up_image() -> bytes:
+def example_image() -> bytes:
     """Return a complete image."""
     blocks = build(
         FormatVersion(1, 1),

@@ -4,7 +4,7 @@
 
 import math
 
-LEAST_DISTANCE = 0.09       # s; the device ignores a pulse that follows sooner
+MIN_DISTANCE = 0.09       # s; the device ignores a pulse that follows sooner
 
 
 class Pulses:
@@ -15,19 +15,19 @@ class Pulses:
         self.rate = rate
         self._origin = origin
         self._seen_until = -math.inf
-        self._taken = -math.inf
+        self._accepted = -math.inf          # time of the latest accepted pulse
 
     def skip_until(self, time: float) -> None:
         """Ignore the pulses up to a time."""
         self._seen_until = time
 
-    def latest(self, time: float) -> float | None:
-        """Return the time of the latest pulse; None if it is not new or followed too soon."""
+    def take_latest(self, time: float) -> float | None:
+        """Return the time of the latest pulse by this time; None if there is no new one."""
         seen_until, self._seen_until = self._seen_until, time
         if not self.rate:
             return None
         pulse = self._origin + math.floor((time - self._origin) * self.rate) / self.rate
-        if pulse <= seen_until or pulse - self._taken < LEAST_DISTANCE:
+        if pulse <= seen_until or pulse - self._accepted < MIN_DISTANCE:
             return None
-        self._taken = pulse
+        self._accepted = pulse
         return pulse

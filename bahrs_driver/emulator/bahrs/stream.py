@@ -15,7 +15,9 @@ from collections.abc import Iterator, Mapping
 import math
 from typing import Literal, NamedTuple
 
-from bahrs_driver.emulator.measurement_errors import MeasurementErrors, Values
+from bahrs_driver.emulator.measurement_errors import (
+    clamp, clamp_vector, MeasurementErrors, Values,
+)
 from bahrs_driver.emulator.motion import Truth, TURN
 from bahrs_driver.protocol.bahrs.messages import (
     Accuracy,
@@ -32,14 +34,13 @@ from bahrs_driver.protocol.bahrs.messages import (
     VELOCITY,
 )
 from bahrs_driver.protocol.integrity import Health, Integrity
-from bahrs_driver.protocol.layout import Vector
 from bahrs_driver.units import COUNTER_MODULUS
 
 INERTIAL_PERIOD_US = 5000
 INERTIAL_PER_NAVIGATION = 2
 NAVIGATION_PER_TIME = 10
 SIGNALS = Inertial.SIGNALS + Navigation.SIGNALS
-UNALIGNED = 8               # navigation messages without data after power-on
+UNALIGNED_MESSAGES = 8      # navigation messages without data after power-on
 
 FORCE_LIMIT, RATE_LIMIT, VELOCITY_LIMIT = 32767 * FORCE_2, 32767 * RATE_2, 32767 * VELOCITY
 _LOWEST, _HIGHEST = HEIGHT_OFFSET, HEIGHT_OFFSET + 65535 * HEIGHT
@@ -49,9 +50,9 @@ _UNAVAILABLE = (Integrity.UNAVAILABLE,) * len(Navigation.SIGNALS)
 _NO_INERTIAL = (0.0,) * len(Inertial.SIGNALS)
 _NO_NAVIGATION = (HEIGHT_OFFSET, 0.0, 0.0, 0.0, 0.0)
 
-# rad, at power-on and at least; it shrinks with the number of measurements.
+# rad, at power-on and after a long alignment.
 _FIRST_DEVIATION = 0.091
-_LEAST_ATTITUDE_DEVIATION, _LEAST_HEADING_DEVIATION = 0.005, 0.0175
+_MIN_ATTITUDE_DEVIATION, _MIN_HEADING_DEVIATION = 0.005, 0.0175
 
 TimeLabel = Literal['next', 'same']
 
@@ -65,11 +66,11 @@ class SimulatedMessage(NamedTuple):
 
 
 class BahrsStream:
-    """Makes the messages from power-on on, sample by sample."""
+    """Simulates the messages of a device since power-on, sample by sample."""
 
     def __init__(self, version: int, time_label: TimeLabel, errors: MeasurementErrors) -> None:
         self._version = version
-        self._label = 1 if time_label == 'next' else 0
+        self._reference_ahead = int(time_label == 'next')
         self._errors = errors
         self._health = dict.fromkeys(SIGNALS, Integrity.SAFE)
         self._inertial_health: Health = ()
@@ -95,41 +96,38 @@ class BahrsStream:
 
     def sample(self, truth: Truth, device_time_us: int) -> Iterator[SimulatedMessage]:
         """Return the messages about the next sample, in the order of transmission."""
-        count, navigation = self._count, self._count // INERTIAL_PER_NAVIGATION
+        count, navigation_count = self._count, self._count // INERTIAL_PER_NAVIGATION
         self._count += 1
         with_navigation = count % INERTIAL_PER_NAVIGATION == 0
-        with_time = with_navigation and navigation % NAVIGATION_PER_TIME == 0
+        with_time = with_navigation and navigation_count % NAVIGATION_PER_TIME == 0
         yield self._inertial(count, truth)
         if with_time:
             yield self._time(InertialTime, count, device_time_us)
         if with_navigation:
-            yield self._navigation(navigation, truth)
+            yield self._navigation(navigation_count, truth)
         if with_time:
-            aligned = navigation >= UNALIGNED
-            yield self._accuracy(navigation, device_time_us if aligned else 0)
-            yield self._time(NavigationTime, navigation, device_time_us) if aligned \
+            aligned = navigation_count >= UNALIGNED_MESSAGES
+            yield self._accuracy(navigation_count, device_time_us if aligned else 0)
+            yield self._time(NavigationTime, navigation_count, device_time_us) if aligned \
                 else SimulatedMessage(NavigationTime(0, 0, 0))
 
     def _inertial(self, count: int, truth: Truth) -> SimulatedMessage:
-        force = self._vector('specific_force', truth.specific_force, FORCE_LIMIT)
-        rate = self._vector('angular_rate', truth.angular_rate, RATE_LIMIT)
-        values = _masked(force + rate, self._inertial_health, _NO_INERTIAL)
+        add = self._errors.add_vector
+        force = clamp_vector(add('specific_force', truth.specific_force), FORCE_LIMIT)
+        rate = clamp_vector(add('angular_rate', truth.angular_rate), RATE_LIMIT)
+        x, y, z, p, q, r = _blanked(force + rate, self._inertial_health, _NO_INERTIAL)
         return SimulatedMessage(
-            Inertial(count % COUNTER_MODULUS, _vector(values[:3]), _vector(values[3:]),
-                     self._inertial_health),
+            Inertial(count % COUNTER_MODULUS, (x, y, z), (p, q, r), self._inertial_health),
             {'specific_force': truth.specific_force, 'angular_rate': truth.angular_rate})
 
     def _navigation(self, count: int, truth: Truth) -> SimulatedMessage:
-        health = self._navigation_health if count >= UNALIGNED else _UNAVAILABLE
-        height, velocity, roll, pitch, heading = _masked(
+        health = self._navigation_health if count >= UNALIGNED_MESSAGES else _UNAVAILABLE
+        height, velocity, roll, pitch, heading = _blanked(
             self._navigation_values(truth), health, _NO_NAVIGATION)
         return SimulatedMessage(
             Navigation(count % COUNTER_MODULUS, height, velocity, roll, pitch, heading, health),
             {'pressure_height': truth.pressure_height, 'velocity_down': truth.velocity_down,
              'roll': truth.roll, 'pitch': truth.pitch, 'magnetic_heading': truth.heading})
-
-    def _vector(self, quantity: str, true: Vector, limit: float) -> Values:
-        return tuple(max(-limit, min(limit, value)) for value in self._errors.add(quantity, true))
 
     def _navigation_values(self, truth: Truth) -> Values:
         add = self._errors.add
@@ -137,43 +135,37 @@ class BahrsStream:
         velocity, = add('velocity_down', (truth.velocity_down,))
         roll, pitch, heading = add('attitude', (truth.roll, truth.pitch, truth.heading))
         return (max(_LOWEST, min(_HIGHEST, height)),
-                max(-VELOCITY_LIMIT, min(VELOCITY_LIMIT, velocity)),
+                clamp(velocity, VELOCITY_LIMIT),
                 _half_turn(roll), _half_turn(pitch),
                 _half_turn(heading) if self._version == 1 else heading % TURN)
 
-    def _accuracy(self, navigation: int, device_time_us: int) -> SimulatedMessage:
-        index = navigation // NAVIGATION_PER_TIME
+    def _accuracy(self, navigation_count: int, device_time_us: int) -> SimulatedMessage:
+        index = navigation_count // NAVIGATION_PER_TIME
         if not device_time_us:
             return SimulatedMessage(Accuracy(index % COUNTER_MODULUS, None, None, None, 0))
         deviation = _FIRST_DEVIATION / math.sqrt(max(1, index))
-        attitude = max(_LEAST_ATTITUDE_DEVIATION, deviation)
-        heading = max(_LEAST_HEADING_DEVIATION, deviation)
+        attitude = max(_MIN_ATTITUDE_DEVIATION, deviation)
+        heading = max(_MIN_HEADING_DEVIATION, deviation)
         return SimulatedMessage(Accuracy(
             index % COUNTER_MODULUS, attitude, attitude, heading, device_time_us))
 
     def _time(self, kind: type[InertialTime] | type[NavigationTime], count: int,
               device_time_us: int) -> SimulatedMessage:
-        every = NAVIGATION_PER_TIME * (
+        per_time = NAVIGATION_PER_TIME * (
             INERTIAL_PER_NAVIGATION if kind is InertialTime else 1)
         return SimulatedMessage(kind(
-            count // every % COUNTER_MODULUS, (count + self._label) % COUNTER_MODULUS,
+            count // per_time % COUNTER_MODULUS, (count + self._reference_ahead) % COUNTER_MODULUS,
             device_time_us))
 
 
-def _masked(values: Values, health: Health, blank: Values) -> Values:
+def _blanked(values: Values, health: Health, blanks: Values) -> Values:
     """Return the values, with blanks in place of unavailable signals."""
     if Integrity.UNAVAILABLE not in health:
         return values
-    return tuple(value if integrity else nothing
-                 for value, integrity, nothing in zip(values, health, blank))
-
-
-def _vector(values: Values) -> Vector:
-    x, y, z = values
-    return x, y, z
+    return tuple(value if integrity else blank
+                 for value, integrity, blank in zip(values, health, blanks))
 
 
 def _half_turn(angle: float) -> float:
     """Return the angle between -pi and pi, limited to the range of its field."""
-    limit = 32767 * ANGLE
-    return max(-limit, min(limit, math.remainder(angle, TURN)))
+    return clamp(math.remainder(angle, TURN), 32767 * ANGLE)

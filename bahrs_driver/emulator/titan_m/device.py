@@ -8,7 +8,7 @@ import math
 import random
 
 from bahrs_driver.emulator.device import Emission, EmulatedDevice
-from bahrs_driver.emulator.titan_m.measurements import TitanMeasures
+from bahrs_driver.emulator.titan_m.measurements import TitanMeasurements
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.schedule import Schedule
 from bahrs_driver.protocol.titan_m.frames import (
@@ -37,24 +37,20 @@ class TitanBehavior:
     late_delay: float = 0.1
     start_up: float = 1.0                   # of silence after power-on
     first_fix: float = 0.0                  # after the start-up
-    # Hz by kind of answer: sent without requests, into a file.
-    by_itself: Mapping[type[TitanAnswer], float] = field(default_factory=dict)
+    # Hz by kind of answer: sent without requests, because a file sends none.
+    unrequested: Mapping[type[TitanAnswer], float] = field(default_factory=dict)
 
 
 class TitanDevice(EmulatedDevice):
-    """
-    A Titan-M that is switched on at time 0.
+    """A Titan-M that is switched on at time 0."""
 
-    `misunderstood` counts the bytes from the host that belong to no request.
-    """
-
-    def __init__(self, behavior: TitanBehavior, measures: TitanMeasures, byte_time: float,
+    def __init__(self, behavior: TitanBehavior, measurements: TitanMeasurements, byte_time: float,
                  seed: int = 1) -> None:
         self._behavior = behavior
-        self._measures = measures
+        self._measurements = measurements
         self._request_time = REQUEST_SIZE * byte_time
         self._random = random.Random(f'late {seed}')
-        self._schedule = Schedule(behavior.by_itself)
+        self._schedule = Schedule(behavior.unrequested)
         self._schedule.start(0)
         self.power_cycle(0.0)
 
@@ -65,9 +61,9 @@ class TitanDevice(EmulatedDevice):
         return math.inf if due is None else due / NS_PER_S
 
     @property
-    def misunderstood(self) -> int:
-        """Bytes from the host that belong to no request."""
-        return self._requests.counters.skipped_bytes
+    def skipped_bytes(self) -> int:
+        """Count of bytes from the host that belong to no request."""
+        return self._framer.counters.skipped_bytes
 
     def step(self) -> list[Emission]:
         """Advance to next_time and return the answers that are sent without a request."""
@@ -85,18 +81,18 @@ class TitanDevice(EmulatedDevice):
             return []
         return [self._answer(request_of(frame).ANSWER, message_id(frame),
                              time + self._request_time)
-                for frame in self._requests.feed(data)]
+                for frame in self._framer.feed(data)]
 
     def power_cycle(self, time: float) -> None:
         """Switch off and on again."""
-        self._requests = Framer(RequestFormat(self._behavior.request_order))
-        self._measures.restart()
+        self._framer = Framer(RequestFormat(self._behavior.request_order))
+        self._measurements.restart()
         self._ready = time + (self._behavior.start_up if time else 0.0)
 
     def _answer(self, kind: type[TitanAnswer], request_id: int, time: float) -> Emission:
         behavior = self._behavior
         has_fix = time >= self._ready + behavior.first_fix
-        message, truth = self._measures.measure(kind, time, has_fix)
+        message, truth = self._measurements.measure(kind, time, has_fix)
         length = behavior.sensors_length if kind is Sensors else None
         frame = build_answer(message, request_id if behavior.returns_id else 0,
                              behavior.payload_order, behavior.checksum_order, length)

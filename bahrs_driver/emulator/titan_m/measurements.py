@@ -9,7 +9,7 @@ from typing import NamedTuple
 from bahrs_driver.convert import atmosphere
 from bahrs_driver.convert.utm import from_wgs84
 from bahrs_driver.emulator.ground_path import GroundPath
-from bahrs_driver.emulator.measurement_errors import MeasurementErrors, Values
+from bahrs_driver.emulator.measurement_errors import clamp_vector, MeasurementErrors
 from bahrs_driver.emulator.motion import Truth
 from bahrs_driver.protocol.layout import Vector
 from bahrs_driver.protocol.titan_m.messages import (
@@ -24,20 +24,20 @@ from bahrs_driver.protocol.titan_m.messages import (
 
 ZONE_WIDTH = 6                      # degrees of longitude
 WEEK_MS = 604_800_000
-INSIDE_C = 31.5                     # degree C
+TEMPERATURE = 31.5                  # degree C, inside the device
 NORTH_FIELD, DOWN_FIELD = 20e-6, 43e-6      # T
-LARGEST_COUNT = 32767
-HIGHEST_DIFFERENCE = 1073.0         # Pa; its field holds no more
+INT16_MAX = 32767
+MAX_DIFFERENTIAL_PRESSURE = 1073.0      # Pa, by the range of its field
 
 
-class Measured(NamedTuple):
+class MeasuredAnswer(NamedTuple):
     """An answer, and the true values of its fields."""
 
     message: TitanAnswer
     truth: Mapping[str, object]
 
 
-class TitanMeasures:
+class TitanMeasurements:
     """Makes measurements along a path. Positions are relative to the first GPS fix."""
 
     def __init__(self, path: GroundPath, errors: MeasurementErrors, gps_start_ms: int = 0) -> None:
@@ -45,65 +45,67 @@ class TitanMeasures:
         self._errors = errors
         self._gps_start_ms = gps_start_ms
         self._origin: tuple[float, float, float] | None = None
-        self._measures: dict[type[TitanAnswer], Callable[[float, bool], Measured]] = {
+        self._measure_kind: dict[type[TitanAnswer], Callable[[float, bool], MeasuredAnswer]] = {
             State: self._state, Gps: self._gps, Sensors: self._sensors}
 
     def restart(self) -> None:
         """Forget the position of the first GPS fix."""
         self._origin = None
 
-    def measure(self, kind: type[TitanAnswer], time: float, has_fix: bool) -> Measured:
+    def measure(self, kind: type[TitanAnswer], time: float, has_fix: bool) -> MeasuredAnswer:
         """Return an answer of a kind at a time in seconds, with or without a GPS fix."""
-        return self._measures[kind](time, has_fix)
+        return self._measure_kind[kind](time, has_fix)
 
-    def _state(self, time: float, has_fix: bool) -> Measured:
-        truth, place, (north, east) = self._path.at(time)
+    def _state(self, time: float, has_fix: bool) -> MeasuredAnswer:
+        truth, position, (north, east) = self._path.at(time)
         if has_fix and self._origin is None:
-            self._origin = north, east, place.altitude
-        a, b, c = self._origin or (north, east, place.altitude)
+            self._origin = north, east, position.altitude
+        origin_north, origin_east, origin_altitude = self._origin or (
+            north, east, position.altitude)
         true = {
-            'position_ned': (north - a, east - b, c - place.altitude),
+            'position_ned': (north - origin_north, east - origin_east,
+                             origin_altitude - position.altitude),
             'velocity_ned': truth.velocity,
             'attitude': (truth.roll, truth.pitch, truth.heading),
             'angular_rate': truth.angular_rate}
-        return Measured(State(
+        return MeasuredAnswer(State(
             true['position_ned'], truth.velocity,
-            _vector(self._errors.add('attitude', true['attitude'])),
-            _vector(self._errors.add('angular_rate', truth.angular_rate))), true)
+            self._errors.add_vector('attitude', true['attitude']),
+            self._errors.add_vector('angular_rate', truth.angular_rate)), true)
 
-    def _gps(self, time: float, has_fix: bool) -> Measured:
-        truth, place, _ = self._path.at(time)
+    def _gps(self, time: float, has_fix: bool) -> MeasuredAnswer:
+        truth, position, _ = self._path.at(time)
         if not has_fix:
-            nothing = Gps(0.0, 0.0, 0.0, 0.0, (0.0,) * 3, 0.0, 0.0, 0.0, 0, True)
-            return Measured(nothing, {})
-        zone, northern = utm_zone(place.longitude), place.latitude >= 0
+            no_fix = Gps(0.0, 0.0, 0.0, 0.0, (0.0,) * 3, 0.0, 0.0, 0.0, 0, True)
+            return MeasuredAnswer(no_fix, {})
+        zone, northern = utm_zone(position.longitude), position.latitude >= 0
         easting, northing = from_wgs84(
-            place.latitude, place.longitude, zone, northern)
+            position.latitude, position.longitude, zone, northern)
         north, east, down = truth.velocity
         week_ms = (self._gps_start_ms + round(time * 1000)) % WEEK_MS
         course = math.degrees(math.atan2(east, north)) % 360.0
-        message = Gps(week_ms / 1000, easting, northing, place.altitude, truth.velocity, course,
+        message = Gps(week_ms / 1000, easting, northing, position.altitude, truth.velocity, course,
                       math.hypot(north, east, down), math.hypot(north, east), zone, northern)
-        return Measured(message, {
-            'latitude': place.latitude, 'longitude': place.longitude,
-            'altitude': place.altitude, 'velocity_ned': truth.velocity, 'heading_deg': course,
+        return MeasuredAnswer(message, {
+            'latitude': position.latitude, 'longitude': position.longitude,
+            'altitude': position.altitude, 'velocity_ned': truth.velocity, 'heading_deg': course,
             'gps_time_s': week_ms / 1000, 'zone': zone, 'northern': northern})
 
-    def _sensors(self, time: float, _has_fix: bool) -> Measured:
-        truth, place, _ = self._path.at(time)
-        force = _vector(self._errors.add('specific_force', truth.specific_force))
-        rate = _vector(self._errors.add('angular_rate', truth.angular_rate))
-        pressure, magnetic = atmosphere.pressure(place.altitude), magnetic_field(truth)
-        dynamic = atmosphere.density(place.altitude) / 2 * math.hypot(*truth.velocity) ** 2
+    def _sensors(self, time: float, _has_fix: bool) -> MeasuredAnswer:
+        truth, position, _ = self._path.at(time)
+        force = self._errors.add_vector('specific_force', truth.specific_force)
+        rate = self._errors.add_vector('angular_rate', truth.angular_rate)
+        pressure, magnetic = atmosphere.pressure(position.altitude), magnetic_field(truth)
+        dynamic = atmosphere.density(position.altitude) / 2 * math.hypot(*truth.velocity) ** 2
         p, q, r = rate
-        return Measured(Sensors(
-            _within(force, ADC_FORCE),
-            _within((math.degrees(p), math.degrees(q), math.degrees(r)), ADC_RATE_DEG),
-            INSIDE_C, force, rate, pressure, min(dynamic, HIGHEST_DIFFERENCE),
-            _within(magnetic, FIELD)), {
+        return MeasuredAnswer(Sensors(
+            _within_field(force, ADC_FORCE),
+            _within_field((math.degrees(p), math.degrees(q), math.degrees(r)), ADC_RATE_DEG),
+            TEMPERATURE, force, rate, pressure, min(dynamic, MAX_DIFFERENTIAL_PRESSURE),
+            _within_field(magnetic, FIELD)), {
                 'acceleration': truth.specific_force, 'angular_rate': truth.angular_rate,
                 'absolute_pressure': pressure, 'differential_pressure': dynamic,
-                'magnetic_field_tesla': magnetic, 'temperature_c': INSIDE_C})
+                'magnetic_field_tesla': magnetic, 'temperature_c': TEMPERATURE})
 
 
 def utm_zone(longitude: float) -> int:
@@ -122,12 +124,6 @@ def magnetic_field(truth: Truth) -> Vector:
             cos_roll * right + sin_roll * below, cos_roll * below - sin_roll * right)
 
 
-def _within(vector: Vector, count: float) -> Vector:
-    limit = LARGEST_COUNT * count
-    x, y, z = (max(-limit, min(limit, value)) for value in vector)
-    return x, y, z
-
-
-def _vector(values: Values) -> Vector:
-    x, y, z = values
-    return x, y, z
+def _within_field(vector: Vector, scale: float) -> Vector:
+    """Limit a vector to the range of 16-bit fields of a scale."""
+    return clamp_vector(vector, INT16_MAX * scale)

@@ -7,8 +7,8 @@ import itertools
 import struct
 import zlib
 
-from bahrs_driver.emulator.bahrs.diagnostics_mode import INACTIVITY, ServiceBehavior
-from bahrs_driver.emulator.bahrs.nvm_image import made_up_image, SIZE
+from bahrs_driver.emulator.bahrs.diagnostics_mode import INACTIVITY_TIMEOUT, ServiceBehavior
+from bahrs_driver.emulator.bahrs.nvm_image import example_image, SIZE
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec
 from bahrs_driver.protocol.bahrs.messages import (
     Acknowledgement,
@@ -97,8 +97,8 @@ def test_five_seconds_without_a_request_end_it():
     asked.ask(EnterDiagnostics(), 1.0)
     assert asked.stream(5.9) == []
     assert isinstance(asked.ask(NvmReadRequest(3), 5.9)[0], NvmPage)
-    assert asked.stream(5.9 + INACTIVITY - 0.01) == []
-    assert asked.stream(5.9 + INACTIVITY + 0.02)
+    assert asked.stream(5.9 + INACTIVITY_TIMEOUT - 0.01) == []
+    assert asked.stream(5.9 + INACTIVITY_TIMEOUT + 0.02)
     assert asked.ask(NvmReadRequest(3), 11.0) == []
 
 
@@ -118,7 +118,7 @@ def test_pages_that_cannot_be_read_are_refused():
     asked.ask(EnterDiagnostics(), 1.0)
     for page in (3, 17, 250, 255):
         assert asked.ask(NvmReadRequest(page), 1.1) == [Acknowledgement(0xF2, 0xFF)]
-    assert asked.ask(NvmReadRequest(4), 1.1) == [NvmPage(4, made_up_image()[128:160])]
+    assert asked.ask(NvmReadRequest(4), 1.1) == [NvmPage(4, example_image()[128:160])]
 
 
 def test_outside_the_mode_only_entering_is_accepted():
@@ -163,7 +163,7 @@ def test_noise_on_the_line_is_no_request():
 
 def test_the_invented_image_has_the_real_format():
     """The image has version 1.1, and every checksum is right."""
-    image = made_up_image()
+    image = example_image()
     assert len(image) == SIZE == 8000
     assert struct.unpack_from('<2I', image) == (1, 1)
     for start, length in ((0, 8), (12, 12), (28, 48), (596, 60)):

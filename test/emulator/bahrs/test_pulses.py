@@ -9,7 +9,7 @@ import pytest
 def taken(pulses, until, step=0.005):
     """Return the pulses that a device accepts when it looks every 5 ms."""
     times = (round(index * step, 6) for index in range(1, round(until / step) + 1))
-    return [pulse for pulse in map(pulses.latest, times) if pulse is not None]
+    return [pulse for pulse in map(pulses.take_latest, times) if pulse is not None]
 
 
 def test_pulses_come_at_whole_periods():
@@ -24,8 +24,8 @@ def test_no_rate_means_no_pulse():
     pulses = Pulses(0.0)
     assert taken(pulses, 3.0) == []
     pulses.rate = 10.0
-    assert pulses.latest(3.05) is None
-    assert pulses.latest(3.1) == pytest.approx(3.1)
+    assert pulses.take_latest(3.05) is None
+    assert pulses.take_latest(3.1) == pytest.approx(3.1)
 
 
 def test_pulses_in_quick_succession_are_ignored():
@@ -41,5 +41,5 @@ def test_of_several_pulses_the_latest_is_reported():
     """Earlier pulses are lost if the device was busy."""
     pulses = Pulses(1.0)
     pulses.skip_until(0.5)
-    assert pulses.latest(3.2) == 3.0
-    assert pulses.latest(3.3) is None
+    assert pulses.take_latest(3.2) == 3.0
+    assert pulses.take_latest(3.3) is None

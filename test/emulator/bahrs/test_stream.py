@@ -6,7 +6,7 @@ from itertools import islice
 import math
 import re
 
-from bahrs_driver.emulator.bahrs.stream import BahrsStream, SIGNALS, UNALIGNED
+from bahrs_driver.emulator.bahrs.stream import BahrsStream, SIGNALS, UNALIGNED_MESSAGES
 from bahrs_driver.emulator.flights import Still
 from bahrs_driver.emulator.measurement_errors import MeasurementErrors
 from bahrs_driver.protocol.bahrs.frames import BahrsFormat
@@ -101,10 +101,10 @@ def test_the_beginning_is_that_of_the_recording():
     """Eight navigation messages have no signal; accuracy and navigation time are zero."""
     messages = messages_of(40)
     navigation = of(Navigation, messages)
-    for message in navigation[:UNALIGNED]:
+    for message in navigation[:UNALIGNED_MESSAGES]:
         assert message.health == (UNAVAILABLE,) * 5
         assert message.pressure_height == -1000.0 and message.roll == 0.0
-    assert navigation[UNALIGNED].health == (SAFE,) * 5
+    assert navigation[UNALIGNED_MESSAGES].health == (SAFE,) * 5
     assert of(Accuracy, messages)[0] == Accuracy(0, None, None, None, 0)
     assert of(NavigationTime, messages)[0] == NavigationTime(0, 0, 0)
     assert of(InertialTime, messages)[0].valid

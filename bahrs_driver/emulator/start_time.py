@@ -5,7 +5,7 @@
 from typing import NamedTuple
 
 
-class HostTime(NamedTuple):
+class StartTime(NamedTuple):
     """Readings of the host's clocks in ns at time 0 of the emulation."""
 
     monotonic_ns: int = 0
