@@ -3,6 +3,6 @@
 """
 Publish the health of driver and device as diagnostic_msgs (REP-107).
 
-One module for each task. The Updater runs them: for level and message alone after every read, and
-with their values once a second.
+Each task has a module. The Updater runs all tasks after every read for their level and message,
+and once a second also for their values.
 """

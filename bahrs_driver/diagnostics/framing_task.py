@@ -9,10 +9,10 @@ from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.pipeline import PipelineCounters
 from bahrs_driver.protocol.framing import FramingCounters
 
-ENOUGH_BYTES = 200          # without a frame among them, from which on it is an error
-TEXT_SHARE = 0.95           # of printable bytes, from which on a stream is text
-EXAMINE_PERIOD = 1.0        # s from one examination of the bytes to the next
-HYSTERESIS = 0.8            # of error_share, below which an unusable line is usable again
+MAX_BYTES_WITHOUT_FRAME = 200   # more are an error
+MIN_TEXT_SHARE = 0.95           # share of printable bytes in a stream of text
+EXAMINE_PERIOD = 1.0            # s from one examination of the bytes to the next
+HYSTERESIS = 0.8                # factor on error_share below which a line is usable again
 
 NOTHING_RECEIVED = Template(STALE, 'Nothing received')
 INCOMPLETE = Template(STALE, 'Waiting for a whole frame')
@@ -21,7 +21,7 @@ NO_FRAME = Template(ERROR, 'Bytes arrive, but no frame of a {sensor}: is {baud_r
 TEXT = Template(ERROR, 'Text arrives, but no frame of a {sensor}: another device is on this port',
                 'another device that sends text')
 OTHER_SENSOR = Template(ERROR, 'A {found} is on this port, not a {sensor}: set parameter sensor '
-                               'to it', 'the other sensor')
+                               'to {found}', 'the other sensor')
 UNKNOWN_TYPES = Template(ERROR, 'Only frames of unknown type arrive: is the {sensor} newer than '
                                 'this driver?',
                          'a protocol version that this driver does not know')
@@ -36,9 +36,9 @@ class FramingTask:
     """
     Watches the counters of a pipeline.
 
-    protocol returns detected properties of the device's protocol, recognize the name of the device
-    whose frames some bytes contain. Above error_share of damaged frames the line is unusable; any
-    damaged frame is a warning.
+    protocol returns detected properties of the device's protocol; recognize returns the name of
+    the device whose frames some bytes contain. A share of damaged frames above error_share is an
+    error, any other damaged frame a warning.
     """
 
     name = 'Framing'
@@ -55,9 +55,11 @@ class FramingTask:
         self._recognize = recognize
         self._error_share = error_share
         self._unusable = False
-        self._last_frame = (0, 0), 0    # frames, by opening of the port, and bytes up to it
+        self._frames_and_streams = 0, 0     # when the last frame arrived or the port was opened
+        self._bytes_before = 0              # that time
         self._examined_at = -EXAMINE_PERIOD
-        self._reason: tuple[Template, dict[str, object]] = INCOMPLETE, {}
+        self._recognized = ''
+        self._no_frame_reason = INCOMPLETE
         self._window = Window(self._counts)
 
     def run(self, status: Status) -> Status:
@@ -68,10 +70,11 @@ class FramingTask:
         if not received:
             return status.summary(NOTHING_RECEIVED)
         if not frames:
-            if bytes_without_frame < ENOUGH_BYTES:
+            if bytes_without_frame < MAX_BYTES_WITHOUT_FRAME:
                 return status.summary(INCOMPLETE)
-            message, fields = self._why_no_frames(status.now)
-            return status.summary(message, **fields)
+            self._examine_bytes(status.now)
+            return status.summary(self._no_frame_reason, sensor=self._sensor,
+                                  baud_rate=self._baud_rate, found=self._recognized)
         if frames == unknown:
             return status.summary(UNKNOWN_TYPES, sensor=self._sensor)
         share = failures / (failures + frames)
@@ -100,27 +103,29 @@ class FramingTask:
                 framing.crc_failures, framing.skipped_bytes)
 
     def _bytes_without_frame(self) -> int:
-        # Over any time: a wrong device may send a few bytes a second only.
+        """Return the bytes since the last frame, however long ago: a device may send few."""
         received, frames, *_ = self._counts()
-        count = frames, self._counters.streams
-        if count != self._last_frame[0]:
-            self._last_frame = count, received
-        return received - self._last_frame[1]
+        frames_and_streams = frames, self._counters.streams
+        if frames_and_streams != self._frames_and_streams:
+            self._frames_and_streams, self._bytes_before = frames_and_streams, received
+        return received - self._bytes_before
 
-    def _why_no_frames(self, now: float) -> tuple[Template, dict[str, object]]:
-        if now - self._examined_at >= EXAMINE_PERIOD:
-            self._examined_at, self._reason = now, self._examine_bytes()
-        return self._reason
-
-    def _examine_bytes(self) -> tuple[Template, dict[str, object]]:
+    def _examine_bytes(self, now: float) -> None:
+        """Find the reason why the bytes form no frames, once per EXAMINE_PERIOD."""
+        if now - self._examined_at < EXAMINE_PERIOD:
+            return
+        self._examined_at = now
         sample = self._counters.last_bytes
-        found = self._recognize(sample)
-        if found and found != self._sensor:
-            return OTHER_SENSOR, {'found': found, 'sensor': self._sensor}
-        text = sum(byte in b'\r\n\t' or 0x20 <= byte < 0x7F for byte in sample)
-        if text > TEXT_SHARE * len(sample):
-            return TEXT, {'sensor': self._sensor}
-        return NO_FRAME, {'sensor': self._sensor, 'baud_rate': self._baud_rate}
+        self._recognized = self._recognize(sample)
+        if self._recognized not in ('', self._sensor):
+            self._no_frame_reason = OTHER_SENSOR
+        else:
+            self._no_frame_reason = TEXT if _is_text(sample) else NO_FRAME
+
+
+def _is_text(sample: bytes) -> bool:
+    printable = sum(byte in b'\r\n\t' or 0x20 <= byte < 0x7F for byte in sample)
+    return printable > MIN_TEXT_SHARE * len(sample)
 
 
 def _unknown_types(framing: FramingCounters) -> str:

@@ -14,9 +14,9 @@ SAFE = Template(OK, 'All signals safe')
 
 class IntegrityTask:
     """
-    Watches the integrity of each signal; None if none was received.
+    Watches the integrity of each signal, None before it is received.
 
-    The owner of the mapping keeps it up to date. stale returns whether it is too old to count.
+    The owner of the mapping keeps it up to date. stale returns whether no data arrives.
     """
 
     name = 'Integrity'

@@ -17,7 +17,7 @@ NOT_OPEN = Template(ERROR, '{port} is not open yet')
 FAILED = Template(ERROR, '{reason}')
 SILENT = Template(ERROR, '{port} is open but silent: {hint}', 'a silent device')
 SHARED = Template(ERROR, 'another program is reading {port} and takes bytes from the driver '
-                         '({programs}): end it, {command} lists all',
+                         '({programs}): end it; {command} lists all',
                   'another program takes bytes')
 OPEN = Template(OK, '{port} is open')
 
@@ -49,32 +49,32 @@ class LinkTask:
     def run(self, status: Status) -> Status:
         """Report whether the port is open and bytes arrive."""
         status.values_from(self._values)
-        counters, port = self._counters, self._link.name
-        open_since = counters.open_since        # once: the reading thread may close it now
+        port = self._link.name
+        # The reading thread may change them meanwhile.
+        open_since, error = self._counters.open_since, self._counters.error
         if open_since is None:
-            return status.summary(FAILED, reason=counters.error) if counters.error else \
-                status.summary(NOT_OPEN, port=port)
+            return status.summary(FAILED if error else NOT_OPEN, reason=error, port=port)
         if self._silent(open_since, status.now):
             return status.summary(SILENT, port=port, hint=self._hint(status.now))
-        programs = self._sharing.programs(status.now)
+        programs = self._sharing.describe_programs(status.now)
         if programs:
             return status.summary(SHARED, port=port, programs=programs,
                                   command=self._sharing.command)
         return status.summary(OPEN, port=port)
 
     def check_sharing(self, now: float) -> None:
-        """Look for other programs that read the port, which takes a while; call it at 1 Hz."""
+        """Search for other programs that read the port, which is slow; call it once a second."""
         open_since = self._counters.open_since
         if open_since is not None:
             self._sharing.check(now, self._silent(open_since, now))
 
     def _hint(self, now: float) -> str:
-        """Return what to check, and what else is known of a silent port."""
+        """Return what to check on a silent port, and what is known about it."""
         hint = self._silence_hint
         stop = '' if hint.endswith(('?', '.')) else '.'
         if self._link.is_network:
             return f'{hint}{stop} The connection to the serial server is up.'
-        programs = self._sharing.programs(now)
+        programs = self._sharing.describe_programs(now)
         return f'{hint}{stop} Another program has it open, too ({programs}).' if programs else hint
 
     def _silent(self, open_since: float, now: float) -> bool:

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Count lost messages, by the sequence numbers that they carry or by requests without answer."""
+"""Count lost messages by their sequence numbers, or by the requests without answer."""
 
 from collections import Counter
 from collections.abc import Callable, Mapping
@@ -18,8 +18,8 @@ class LossCounter(Protocol):
     def lost(self) -> Mapping[str, int]:
         """Messages lost since the start."""
 
-    def observe(self, message: Message, flowing: float, rate: float) -> None:
-        """Count a message, with the seconds for which the stream has flowed and its rate in Hz."""
+    def observe(self, message: Message, stream_time: float, rate: float) -> None:
+        """Count a message at a time of the stream in s, without pauses; its rate is in Hz."""
 
     def restart(self) -> None:
         """Ignore the gap before the next message."""
@@ -32,12 +32,12 @@ class SequenceLosses:
         self.lost = Counter[str]()
         self._last: dict[str, tuple[int, float]] = {}
 
-    def observe(self, message: Any, flowing: float, rate: float) -> None:
-        """Count a message, with the seconds for which the stream has flowed and its rate in Hz."""
+    def observe(self, message: Any, stream_time: float, rate: float) -> None:
+        """Count a message at a time of the stream in s, without pauses; its rate is in Hz."""
         name, sequence = message.NAME, message.sequence
-        self.lost[name] += missing(*self._last[name], sequence, flowing, rate) \
+        self.lost[name] += missing(*self._last[name], sequence, stream_time, rate) \
             if name in self._last else 0
-        self._last[name] = sequence, flowing
+        self._last[name] = sequence, stream_time
 
     def restart(self) -> None:
         """Ignore the gap before the next message."""
@@ -45,7 +45,7 @@ class SequenceLosses:
 
 
 class RequestLosses:
-    """Reports requests that were never answered; get_lost returns their number by message."""
+    """Counts requests without answer as lost; get_lost returns their number by message."""
 
     def __init__(self, get_lost: Callable[[], Mapping[str, int]]) -> None:
         self._get_lost = get_lost
@@ -55,7 +55,7 @@ class RequestLosses:
         """Messages lost since the start."""
         return self._get_lost()
 
-    def observe(self, _message: Message, _flowing: float, _rate: float) -> None:
+    def observe(self, _message: Message, _stream_time: float, _rate: float) -> None:
         """Do nothing: an answer shows no gap."""
 
     def restart(self) -> None:
@@ -64,12 +64,12 @@ class RequestLosses:
 
 def missing(last: int, then: float, sequence: int, now: float, rate: float) -> int:
     """
-    Return how many messages are missing between two, by their counters and times.
+    Return how many messages are missing between two with these counters and times.
 
-    The counter gives the number modulo 256; the time in between (s) and the rate (Hz) give the
-    number of turns. A repeated message is not a loss.
+    The counters give the number modulo 256; the elapsed time (s) and the rate (Hz) give the number
+    of wraps. A repeated message is not a loss.
     """
     gap = (sequence - last - 1) % COUNTER_MODULUS
     expected = (now - then) * rate - 1
-    turns = round((expected - gap) / COUNTER_MODULUS)
-    return max(0, gap + COUNTER_MODULUS * turns)
+    wraps = round((expected - gap) / COUNTER_MODULUS)
+    return max(0, gap + COUNTER_MODULUS * wraps)

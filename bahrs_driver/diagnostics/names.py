@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Names of statuses on /diagnostics: "node: task", as diagnostic_updater makes them.
+Names of statuses on /diagnostics: "node: task", as in diagnostic_updater.
 
-The node is given by its bare name at the root. In a namespace it is given by its fully qualified
-name (diagnostic_updater's use_fqn), or two drivers of the same name would share their entries.
+In the root namespace, a status has the bare name of the node. In others it has the fully qualified
+name (use_fqn in diagnostic_updater): otherwise two drivers of the same name would share entries.
 """
 
 from bahrs_driver.ros.node_names import full_name, ROOT
@@ -13,7 +13,7 @@ _SEPARATOR = ': '
 
 
 def node_label(name: str, namespace: str, qualified: bool = False) -> str:
-    """Return what the statuses of a node begin with; qualified asks for the full name always."""
+    """Return the first part of the names of a node's statuses; qualified is for the root."""
     bare = namespace in ('', ROOT) and not qualified
     return name if bare else full_name(name, namespace)
 

@@ -1,11 +1,11 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Log lasting errors of tasks: one line when an error begins, one when it is over.
+Log lasting errors of tasks: one line when an error begins, one when it ends.
 
-The user who starts the driver watches the console, not /diagnostics. An error is logged once it
-has lasted for MIN_DURATION seconds, and is over once there has been none for as long, which keeps
-a line at the limit from filling the log.
+The user who starts the driver watches the console, not /diagnostics. An error is logged after it
+has lasted for MIN_DURATION seconds, and ends after as long a time without it. Otherwise a level
+that changes all the time would fill the log.
 """
 
 from collections.abc import Callable, Mapping
@@ -28,8 +28,8 @@ class ProblemLog:
         self._recoveries = recoveries
         self._error = error
         self._info = info
-        self._logged: set[str] = set()          # tasks whose error is in the log
-        self._since: dict[str, float] = {}      # time since when a task differs from the log
+        self._logged: set[str] = set()              # tasks whose error is in the log
+        self._changed_at: dict[str, float] = {}     # times when a task began to differ from the log
 
     def check(self, summaries: Mapping[str, Summary], now: float) -> None:
         """
@@ -39,17 +39,15 @@ class ProblemLog:
         """
         for name in self._recoveries:
             summary = summaries.get(name)
+            is_logged = name in self._logged
             if summary is None or summary.level == STALE \
-                    or (summary.level == ERROR) == (name in self._logged):
-                self._since.pop(name, None)
-            elif now - self._since.setdefault(name, now) >= MIN_DURATION:
-                del self._since[name]
-                self._log(name, summary.message)
-
-    def _log(self, name: str, message: str) -> None:
-        if name in self._logged:
-            self._logged.remove(name)
-            self._info(self._recoveries[name])
-        else:
-            self._logged.add(name)
-            self._error(message)
+                    or (summary.level == ERROR) == is_logged:
+                self._changed_at.pop(name, None)
+            elif now - self._changed_at.setdefault(name, now) >= MIN_DURATION:
+                del self._changed_at[name]
+                if is_logged:
+                    self._logged.remove(name)
+                    self._info(self._recoveries[name])
+                else:
+                    self._logged.add(name)
+                    self._error(summary.message)

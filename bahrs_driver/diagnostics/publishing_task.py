@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Task *Publishing*: how many messages went out on each topic."""
+"""Task *Publishing*: how many messages were published on each topic."""
 
 from collections.abc import Container, Mapping
 
@@ -17,10 +17,10 @@ PUBLISHING = Template(OK, 'Publishing')
 
 class PublishingTask:
     """
-    Shows the counters of published messages, by topic.
+    Watches the counters of published messages, by topic.
 
-    They are stale after timeout seconds without a change. Latched topics report changes, even the
-    loss of all data, and do not count. A fault of the driver is shown for a while.
+    They are stale after timeout seconds without a change. Latched topics do not count, because
+    they also report the loss of all data. A fault of the driver is shown for FAULT_LIFETIME.
     """
 
     name = 'Publishing'
@@ -32,28 +32,28 @@ class PublishingTask:
         self._latched = latched
         self._timeout = timeout
         self._faults = faults or FaultLog(str, str)
-        self._latest = 0, 0.0           # total of messages, and the time when it was reached
-        self._latest_fault = 0, -FAULT_LIFETIME
+        self._published, self._published_at = 0, 0.0
+        self._fault_count, self._fault_at = 0, -FAULT_LIFETIME
 
     def update(self, now: float) -> None:
-        """Check whether messages went out since the last call."""
+        """Check whether messages were published since the last call."""
         published = sum(count for topic, count in self._counts.items()
                         if topic not in self._latched)
-        if published != self._latest[0]:
-            self._latest = published, now
+        if published != self._published:
+            self._published, self._published_at = published, now
 
     def run(self, status: Status) -> Status:
-        """Report whether messages go out; other tasks report why none do."""
+        """Report whether messages are published; other tasks report the reason if not."""
         status.values_from(self._values)
         faults, now = self._faults, status.now
-        if faults.count != self._latest_fault[0]:
-            self._latest_fault = faults.count, now
-        if now - self._latest_fault[1] < FAULT_LIFETIME:
+        if faults.count != self._fault_count:
+            self._fault_count, self._fault_at = faults.count, now
+        if now - self._fault_at < FAULT_LIFETIME:
             return status.summary(FAULT, fault=faults.last)
         self.update(now)
-        if not self._latest[0]:
+        if not self._published:
             return status.summary(NOT_YET)
-        if now - self._latest[1] > self._timeout:
+        if now - self._published_at > self._timeout:
             return status.summary(STOPPED)
         return status.summary(PUBLISHING)
 

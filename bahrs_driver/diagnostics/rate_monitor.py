@@ -3,24 +3,24 @@
 """
 Measure whether counters grow at their rates.
 
-What a host or adapter holds back in one span of time comes in the next, so one span proves
-nothing: a rate is wrong if it was too low in two spans in a row, or too high in both. Rates are
-measured at the end of a span only, so a rate at the edge of its tolerance does not change its
-state at every message.
+Messages that a host or adapter holds back in one span of time arrive in the next, so one span
+proves nothing: a rate is wrong if it is too low, or too high, in two consecutive spans. It is
+measured only at the end of a span, or else a rate near its tolerance would change its state with
+every message.
 """
 
 from collections.abc import Callable, Sequence
 import threading
 
-MIN_TOLERANCE = 2.0         # counts by which a span may always differ
+MIN_TOLERANCE = 2.0         # counts by which any span may differ
 
 
 class RateMonitor:
     """
-    Watches counters that read returns, and that should grow by rates in Hz; 0 is any rate.
+    Watches the counters that read returns; each should grow at its rate in Hz, 0 for any rate.
 
-    A span in seconds may differ by the tolerance, a share of the expected count. One thread may
-    call wrong() while another calls restart().
+    Each rate is measured over a span in seconds, and may differ from the expected rate by the
+    tolerance, a fraction of it. One thread may call wrong() while another calls restart().
     """
 
     def __init__(self, read: Callable[[], Sequence[int]], rates: Sequence[float],
@@ -31,11 +31,11 @@ class RateMonitor:
         self._span = span
         self._lock = threading.Lock()
         self._start: tuple[float, Sequence[int]] | None = None
-        self._sides = [0] * len(rates)
+        self._sides = [0] * len(rates)      # of the expected rates in the last span
         self._wrong: dict[int, float] = {}
 
     def restart(self) -> None:
-        """Forget all spans; the next call of wrong() begins another."""
+        """Forget all spans; the next call of wrong() begins a new one."""
         with self._lock:
             self._start = None
             self._sides = [0] * len(self._rates)
@@ -60,7 +60,7 @@ class RateMonitor:
         self._start, self._sides = (now, counts), sides
 
     def _side(self, count: int, expected: float) -> int:
-        """Return -1 for too few, 1 for too many, 0 for right."""
+        """Return -1 if a count is too low, 1 if it is too high, otherwise 0."""
         if not expected or abs(count - expected) <= max(MIN_TOLERANCE, expected * self._tolerance):
             return 0
         return 1 if count > expected else -1

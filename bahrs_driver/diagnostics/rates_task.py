@@ -12,8 +12,8 @@ from bahrs_driver.diagnostics.window import Window
 from bahrs_driver.protocol.message import Message
 
 RATE_SPAN = 2.0             # s over which a rate is measured
-LONGEST_GAP = 0.5           # s without any message, above which the device has paused
-SERVICE_TIMEOUT = 6.0       # s after the last request, by which diagnostics mode has ended
+LONGEST_GAP = 0.5           # s; a longer time without messages is a pause of the device
+SERVICE_TIMEOUT = 6.0       # s after the last request in which diagnostics mode ends
 
 LOST = Template(WARN, 'Lost just now: {counts}', 'lost frames')
 WRONG_RATES = Template(WARN, '{rates}', 'a message at a wrong rate')
@@ -24,11 +24,11 @@ NOTHING_LOST = Template(OK, 'All messages at their rates')
 
 class RatesTask:
     """
-    Counts the messages of a stream, and those that are missing from it.
+    Counts the received and lost messages of a stream.
 
-    expected has the rate of each message in Hz, by name; 0 is any rate, and none at all. A rate
-    may differ by the tolerance, a share. Without any of these messages for stale_timeout seconds
-    the stream is stale. Losses are counted by sequence numbers unless another counter is given.
+    expected is the rate of each message in Hz, by name; 0 accepts any rate. A rate may differ by
+    the tolerance, a fraction of it. The stream is stale after stale_timeout seconds without any of
+    these messages. Losses are counted by sequence numbers unless another counter is given.
     """
 
     name = 'Rates'
@@ -40,10 +40,10 @@ class RatesTask:
         self._stale_timeout = stale_timeout
         self._received = Counter[str]()
         self._losses = losses or SequenceLosses()
-        self._begun = False
-        self._last_any: float | None = None
-        self._flowing = 0.0         # s, time in which the stream did not pause
+        self._measuring = False             # rates, since the first message
+        self._last_message: float | None = None
         self._last_service: float | None = None
+        self._stream_time = 0.0             # s, without the pauses of the stream
         self._window = Window(self._counts, RATE_SPAN)
         self._rates = RateMonitor(self._counts, list(expected.values()), tolerance, RATE_SPAN)
         self._loss_window = Window(lambda: [self.lost.get(name, 0) for name in expected])
@@ -60,28 +60,24 @@ class RatesTask:
             if message.SERVICE:
                 self._last_service = now
             return
-        if self._last_any is not None:
-            self._flowing += min(now - self._last_any, LONGEST_GAP)
-            if self._last_service is not None and self._last_service > self._last_any:
-                self.restart()          # the device was asked to pause
-            elif self.stale(now):
-                self._begun = False     # the pause was reported, and is not a wrong rate
-        self._last_any = now
-        if not self._begun:
-            self._restart_rates()           # they begin with the first message
-            self._begun = True
+        if self._last_message is not None:
+            self._handle_pause(now, self._last_message)
+        self._last_message = now
+        if not self._measuring:
+            self._restart_rates()
+            self._measuring = True
         self._received[name] += 1
-        self._losses.observe(message, self._flowing, self._expected[name])
+        self._losses.observe(message, self._stream_time, self._expected[name])
 
     def restart(self) -> None:
         """Begin another stream: the device was switched on, or the port opened again."""
         self._losses.restart()
-        self._begun = False
+        self._measuring = False
         self._restart_rates()
 
     def stale(self, now: float) -> bool:
         """Return whether the stream has ended."""
-        return self._last_any is None or now - self._last_any > self._stale_timeout
+        return self._last_message is None or now - self._last_message > self._stale_timeout
 
     def run(self, status: Status) -> Status:
         """Report whether the stream flows, complete and at its rates."""
@@ -114,6 +110,13 @@ class RatesTask:
 
     def _counts(self) -> list[int]:
         return [self._received[name] for name in self._expected]
+
+    def _handle_pause(self, now: float, last_message: float) -> None:
+        self._stream_time += min(now - last_message, LONGEST_GAP)
+        if self._last_service is not None and self._last_service > last_message:
+            self.restart()              # the device paused for diagnostics mode
+        elif self.stale(now):
+            self._measuring = False     # the pause was reported, and is not a wrong rate
 
     def _restart_rates(self) -> None:
         self._window.restart()

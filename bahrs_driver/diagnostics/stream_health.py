@@ -10,7 +10,7 @@ from bahrs_driver.protocol.message import Message
 
 
 class StreamHealth:
-    """Watches the messages of a device; rates decides when the stream is stale."""
+    """Watches the messages of a device; the task rates detects a stale stream."""
 
     def __init__(self, rates: RatesTask, *tasks: DiagnosticTask) -> None:
         self._rates = rates
@@ -21,11 +21,11 @@ class StreamHealth:
         self._rates.observe(message, now)
 
     def restart(self) -> None:
-        """Begin another stream."""
+        """Begin a new stream."""
         self._rates.restart()
 
     def stale(self, now: float) -> bool:
-        """Return whether the data has ceased, at a time of time.monotonic()."""
+        """Return whether the stream has stopped, at a time of time.monotonic()."""
         return self._rates.stale(now)
 
     @property

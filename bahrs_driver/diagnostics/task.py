@@ -9,16 +9,16 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
-# Returns whether data has ceased, at a time of time.monotonic().
+# Returns whether the stream has stopped, at a time of time.monotonic().
 Staleness = Callable[[float], bool]
 
 
 class Template(NamedTuple):
-    """A message that a task can report: level, and text with the names of fields in braces."""
+    """A message that a task can report."""
 
     level: bytes
-    text: str
-    cause: str = ''         # the cause in the table of the README; '' for no row
+    text: str               # with the names of fields in braces
+    cause: str = ''         # for the table in the README; messages without one are not listed
 
 
 NO_DATA = Template(STALE, 'No data from the device')
@@ -32,23 +32,23 @@ class Summary(NamedTuple):
 
 
 class Status:
-    """The report of a task at one time. Values are collected on request only."""
+    """What a task fills in. Its values are collected on request only."""
 
-    __slots__ = ('now', 'report', '_collect')
+    __slots__ = ('now', 'level', 'message', '_collect')
 
     def __init__(self, now: float) -> None:
         self.now = now                      # s, of time.monotonic()
-        self.report = Summary(STALE, '')
+        self.level, self.message = STALE, ''
         self._collect: Callable[[float], Mapping[str, str]] | None = None
 
     def summary(self, template: Template, **fields: object) -> 'Status':
         """Set level and message; fields replace the names in braces."""
-        level, text, _ = template
-        self.report = Summary(level, text.format(**fields) if fields else text)
+        self.level = template.level
+        self.message = template.text.format(**fields) if fields else template.text
         return self
 
     def values_from(self, collect: Callable[[float], Mapping[str, str]]) -> None:
-        """Set the function that returns the values at a time; formatting them takes a while."""
+        """Set the function that formats the values, which is slow, at a given time."""
         self._collect = collect
 
     def values(self) -> Mapping[str, str]:

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Task *Time*: how stamps are made, and which events concern the clocks."""
+"""Task *Time*: how stamps are made, and events of the clocks."""
 
 from collections.abc import Mapping
 
@@ -9,7 +9,7 @@ from bahrs_driver.diagnostics.task import NO_DATA, OK, Staleness, Status, Templa
 
 UPDATE_PERIOD = 0.2     # s
 NOTICE_LIFETIME = 5.0   # s for which an event is shown
-LONG_CHUNK = 60         # bytes a read, above which an adapter holds bytes back
+LONG_CHUNK = 60         # bytes per read; in longer ones, the adapter holds bytes back
 
 EVENT = Template(WARN, '{event}', 'a host clock that was set, or a device that restarted')
 UNKNOWN_HELD = Template(WARN, 'Device time is not known: samples wait for it')
@@ -27,9 +27,9 @@ DEVICE_TIME = Template(OK, 'Stamps are device time on ROS time')
 
 class TimeTask:
     """
-    Watches a clock, of which only the thread that uses it may read the state.
+    Watches a clock. Only the thread that uses the clock may call update().
 
-    While the data is stale, no stamps are made.
+    stale returns whether no data arrives, and thus no stamps are made.
     """
 
     name = 'Time'
@@ -44,11 +44,11 @@ class TimeTask:
         self._event, self._event_at = '', -NOTICE_LIFETIME
 
     def notice(self, event: str, now: float) -> None:
-        """Show an event that concerns the clocks for a while."""
+        """Show an event of the clocks for NOTICE_LIFETIME."""
         self._event, self._event_at = event, now
 
     def update(self, now: float) -> None:
-        """Read the state of the clock, on its thread; not at every read, which would be slow."""
+        """Read the state of the clock, which is slow, once per UPDATE_PERIOD."""
         if now - self._updated_at >= UPDATE_PERIOD:
             self._state, self._updated_at = self._clock.state(), now
 
@@ -66,7 +66,8 @@ class TimeTask:
         return {
             'Source': state.source,
             'Source in use': state.in_use,
-            **(_exchange(state) if state.source == 'exchange' else _device(state)),
+            **(_exchange_values(state) if state.source == 'exchange'
+               else _device_values(state)),
             'Samples stamped with arrival': str(state.arrival_stamps),
             'Host clock set': f'{state.host_steps} times, last by {state.last_host_step_s:.6f} s'
             if state.host_steps else 'never',
@@ -87,18 +88,18 @@ def _message(state: TimeState) -> Template:
     return DEVICE_TIME if state.source == state.in_use else NO_PULSES
 
 
-def _exchange(state: TimeState) -> Mapping[str, str]:
+def _exchange_values(state: TimeState) -> Mapping[str, str]:
     return {'Half a request and its answer, median [us]':
             f'{state.spread_us:.1f}' if state.settled else 'unknown'}
 
 
-def _device(state: TimeState) -> Mapping[str, str]:
+def _device_values(state: TimeState) -> Mapping[str, str]:
     return {
         'Time messages name': _label(state),
-        'ROS time less device time [s]': _known(state.offset_ns, 1e-9, '.6f'),
+        'ROS time less device time [s]': _format(state.offset_ns, 1e-9, '.6f'),
         'Skew [ppm]': f'{state.skew_ppm:.2f}',
         'Spread [us]': f'{state.spread_us:.1f}',
-        'Period [us]': _known(state.period_us, 1.0, '.3f'),
+        'Period [us]': _format(state.period_us, 1.0, '.3f'),
         'Epochs': str(state.epochs),
         'Samples held': str(state.held),
         'Samples dropped': str(state.dropped),
@@ -107,7 +108,7 @@ def _device(state: TimeState) -> Mapping[str, str]:
         'Rejected counters': str(state.rejected_counters),
         'Sync pulses': f'{state.pulses}, spurious {state.pulses_spurious}, '
                        f'missing {state.pulses_missing}',
-        'Least delay by pulses [us]': _known(state.pulse_delay_us, 1.0, '.1f'),
+        'Least delay by pulses [us]': _format(state.pulse_delay_us, 1.0, '.1f'),
     }
 
 
@@ -116,7 +117,7 @@ def _label(state: TimeState) -> str:
         state.label, state.label)
 
 
-def _known(value: float | None, factor: float, precision: str) -> str:
+def _format(value: float | None, factor: float, precision: str) -> str:
     return 'unknown' if value is None else format(value * factor, precision)
 
 

@@ -1,11 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Run all tasks, and decide when a change must be published at once.
+Run all tasks, and detect changes that must be published at once.
 
-A change of level or message is reported at once, but never more than 20 times a second. Numbers
-do not count: a message such as "Lost just now: 3 inertial" changes with each loss, and the next
-periodic report shows the new numbers.
+A change of level or message is published at once, but at most 20 times a second. A change of
+numbers alone, as in "Lost just now: 3 inertial", can wait for the next periodic report.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,8 +18,8 @@ from bahrs_driver.process.fault_log import FaultLog
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
 MIN_INTERVAL = 0.05         # s from one report to the next
-TASK_FAILED = Template(ERROR, 'This check failed, its state is unknown: please report the fault '
-                              'that the log shows')
+TASK_FAILED = Template(ERROR, 'This check failed and its state is unknown: please report the '
+                              'fault in the log')
 _NUMBER = re.compile(r'\d+([.,]\d+)*')
 
 
@@ -28,9 +27,8 @@ class Updater:
     """
     Runs tasks, from any thread. A task that raises does not affect the others.
 
-    node_label and hardware_id identify a status to subscribers, and must stay the same: after a
-    change, subscribers would keep an entry that is never updated. Without a fault log, what a task
-    raises is passed on.
+    node_label and hardware_id identify a status and must not change: subscribers would keep the
+    old entry. Without a fault log, exceptions of the tasks are passed on.
     """
 
     def __init__(self, tasks: Sequence[DiagnosticTask], node_label: str, hardware_id: str,
@@ -42,7 +40,7 @@ class Updater:
         self._clock = clock
         self._faults = faults
         self._lock = threading.Lock()
-        self._reported: list[tuple[bytes, str]] = []
+        self._reported: list[Summary] = []
         self._reported_at = -MIN_INTERVAL
 
     def report_allowed(self) -> bool:
@@ -51,30 +49,32 @@ class Updater:
             return self._clock() - self._reported_at >= MIN_INTERVAL
 
     def change_due(self) -> bool:
-        """Return whether a level or message differs from the latest report, and may go out."""
+        """Return whether a level or message has changed and a report is allowed."""
         with self._lock:
             now = self._clock()
             return now - self._reported_at >= MIN_INTERVAL and \
-                [_without_numbers(self._run(task, now).report)
+                [_without_numbers(self._run(task, now))
                  for task in self._tasks] != self._reported
 
     def summaries(self) -> dict[str, Summary]:
         """Return the present level and message of each task, by its name."""
         with self._lock:
             now = self._clock()
-            return {task.name: self._run(task, now).report for task in self._tasks}
+            statuses = {task.name: self._run(task, now) for task in self._tasks}
+            return {name: Summary(status.level, status.message)
+                    for name, status in statuses.items()}
 
     def statuses(self) -> list[DiagnosticStatus]:
         """Return the present level, message and values of each task."""
         with self._lock:
             now = self._clock()
-            found = [(task.name, self._run(task, now)) for task in self._tasks]
-            self._reported = [_without_numbers(status.report) for _, status in found]
+            statuses = [(task.name, self._run(task, now)) for task in self._tasks]
+            self._reported = [_without_numbers(status) for _, status in statuses]
             self._reported_at = now
             return [DiagnosticStatus(
-                level=status.report.level, name=status_name(self._node_label, name),
-                message=status.report.message, hardware_id=self.hardware_id,
-                values=self._values(name, status)) for name, status in found]
+                level=status.level, name=status_name(self._node_label, name),
+                message=status.message, hardware_id=self.hardware_id,
+                values=self._values(name, status)) for name, status in statuses]
 
     def _run(self, task: DiagnosticTask, now: float) -> Status:
         status = Status(now)
@@ -96,5 +96,5 @@ class Updater:
             return []
 
 
-def _without_numbers(summary: Summary) -> tuple[bytes, str]:
-    return summary.level, _NUMBER.sub('#', summary.message)
+def _without_numbers(status: Status) -> Summary:
+    return Summary(status.level, _NUMBER.sub('#', status.message))

@@ -11,10 +11,10 @@ Counts = tuple[int, ...]
 
 class Window:
     """
-    Remembers the counters that read returns, to measure how much they grew.
+    Measures how much the counters that read returns grew in the last one to two spans.
 
-    The growth covers at least one span in seconds, if the window has existed for so long, and less
-    than two. One thread may call growth() while another calls restart().
+    A span is given in seconds. In its first span, a window covers the time since its first call.
+    One thread may call growth() while another calls restart().
     """
 
     def __init__(self, read: Callable[[], Sequence[int]], span: float = 1.0) -> None:
@@ -29,7 +29,7 @@ class Window:
             self._marks.clear()
 
     def growth(self, now: float) -> tuple[float, Counts]:
-        """Return the seconds covered, and by how much each counter grew in them."""
+        """Return the seconds covered, and the growth of each counter in this time."""
         with self._lock:
             return self._growth(now, tuple(self._read()))
 

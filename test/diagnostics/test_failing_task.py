@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""A task that fails is shown as failed, and the others as they are."""
+"""Tests of tasks that raise exceptions."""
 
 from bahrs_driver.diagnostics.task import ERROR, OK, Template
 from bahrs_driver.diagnostics.updater import Updater
@@ -17,7 +17,7 @@ class Task:
         self._errors = run_error, values_error
 
     def run(self, status):
-        """Report that all is well, or raise."""
+        """Report OK, or raise."""
         status.values_from(self._values)
         if self._errors[0]:
             raise self._errors[0]
@@ -34,8 +34,8 @@ ERRORS = st.none() | st.sampled_from([ZeroDivisionError('x'), KeyError('y'), Ove
 
 @pytest.mark.slow
 @given(st.lists(st.tuples(ERRORS, ERRORS), max_size=5))
-def test_every_task_is_reported(errors):
-    """Whichever of them fail, in either part."""
+def test_a_failing_task_does_not_affect_the_others(errors):
+    """A task that fails is an ERROR; values that cannot be collected are left out."""
     lines = []
     faults = FaultLog(lines.append, str)
     tasks = [Task(f'Task {index}', *pair) for index, pair in enumerate(errors)]

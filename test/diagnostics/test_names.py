@@ -18,8 +18,8 @@ NAMESPACES = st.lists(NAMES, max_size=3).map(lambda parts: '/' + '/'.join(parts)
     (('bahrs_driver', '/', True), '/bahrs_driver'),
     (('bahrs_driver', '/left', True), '/left/bahrs_driver'),
 ])
-def test_label(node, label):
-    """The bare name at the root, the full one in a namespace or if wanted."""
+def test_node_label(node, label):
+    """It is the bare name in the root namespace, otherwise or on request the full name."""
     assert node_label(*node) == label
 
 
@@ -30,14 +30,14 @@ def test_label(node, label):
     ('gps: fix: age', '/gps', 'fix: age'),
     ('', '', ''),
 ])
-def test_parsed(text, node, task):
-    """Also names that this driver did not make."""
+def test_parse_status_name(text, node, task):
+    """Names of other drivers are parsed, too."""
     assert parse_status_name(text) == (node, task)
 
 
 @given(NAMES, NAMESPACES, st.booleans())
-def test_a_status_tells_its_node(name, namespace, qualified):
-    """Whatever the node is called; and no two nodes share a name."""
+def test_a_status_name_identifies_the_node(name, namespace, qualified):
+    """Parsing the status name returns the full name of any node."""
     full = full_name(name, namespace)
     status = status_name(node_label(name, namespace, qualified), 'Link')
     assert parse_status_name(status) == (full, 'Link')

@@ -10,7 +10,7 @@ LEVELS = {'e': ERROR, 'o': OK, 'w': WARN, 's': STALE, '-': None}
 
 
 def logged(levels, step=0.5):
-    """Return what is logged as a task goes through levels, one letter every step seconds."""
+    """Return the log lines for a sequence of levels, one letter every step seconds."""
     lines = []
     log = ProblemLog({'Framing': 'intact'}, lambda text: lines.append(f'error {text}'),
                      lambda text: lines.append(f'info {text}'))
@@ -21,29 +21,29 @@ def logged(levels, step=0.5):
     return lines
 
 
-def test_an_error_is_logged_once_and_so_is_its_end():
-    """However long each lasts."""
+def test_begin_and_end_of_an_error_are_logged_once():
+    """The duration of the error does not matter."""
     assert logged('oooooo' + 'e' * 100 + 'o' * 100) == ['error no frames', 'info intact']
     assert logged('e' * 9 + 'w' * 9 + 'e' * 9) == [
         'error no frames', 'info intact', 'error no frames']
 
 
-def test_what_does_not_last_is_not_logged():
-    """A stream that begins, or a line at the limit."""
+def test_short_errors_are_not_logged():
+    """A stream may begin with errors, or change its level all the time."""
     assert logged('eooo' * 50) == []
     assert logged('e' * 9 + 'oe' * 50) == ['error no frames']
 
 
-def test_no_data_is_neither_wrong_nor_right():
-    """Nor is a port that is not open."""
+def test_no_data_is_neither_an_error_nor_its_end():
+    """The same holds for a task without a summary, whose port is closed."""
     assert logged('s' * 50) == [] and logged('-' * 50) == []
     assert logged('e' * 9 + 's' * 50 + '-' * 50) == ['error no frames']
     assert logged('eee' + 's' * 9 + 'eee') == []
 
 
 @given(st.text('eows-', max_size=300), st.sampled_from((0.05, 0.1, 0.5)))
-def test_lines_alternate_and_are_apart(levels, step):
-    """Whatever happens, an error and its end take turns, no faster than they last."""
+def test_lines_alternate_and_are_limited(levels, step):
+    """For any levels, error and end alternate, with at least MIN_DURATION between them."""
     lines = logged(levels, step)
     assert lines[::2] == ['error no frames'] * len(lines[::2])
     assert lines[1::2] == ['info intact'] * len(lines[1::2])

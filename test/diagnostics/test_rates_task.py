@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the task that watches rates and losses."""
+"""Tests of the task Rates."""
 
 from bahrs_driver.diagnostics.losses import missing
 from bahrs_driver.diagnostics.rates_task import RatesTask
@@ -12,7 +12,7 @@ from support.tasks import summary_of, values_of
 
 
 def inertial(sequence):
-    """Return an inertial message of which only the counter matters."""
+    """Return an inertial message with a counter."""
     return Inertial(sequence % 256, (0.0,) * 3, (0.0,) * 3, (Integrity.SAFE,) * 6)
 
 
@@ -22,26 +22,26 @@ def inertial(sequence):
     (255, 0, 0.005, 0),
     (250, 5, 0.055, 10),
     (7, 7, 0.0, 0),             # repeated
-    (7, 8, 1.285, 256),         # a whole turn of the counter is missing
-    (7, 8, 1.300, 256),         # and its last frame came late
-    (7, 6, 0.016, 0),           # not a whole turn in three periods: the device restarted
+    (7, 8, 1.285, 256),         # the counter wraps once
+    (7, 8, 1.300, 256),         # and the last frame is late
+    (7, 6, 0.016, 0),           # no wrap in three periods: the device restarted
     (0, 100, 3.06, 611),
 ])
 def test_lost_messages_by_counter_and_time(last, sequence, seconds, lost):
-    """At 200 Hz."""
+    """The message rate is 200 Hz."""
     assert missing(last, 10.0, sequence, 10.0 + seconds, 200.0) == lost
 
 
 class Stream:
-    """Feeds a task of rates with inertial messages at 200 Hz."""
+    """Feeds a task with inertial messages at 200 Hz."""
 
     def __init__(self):
-        """Begin at the time 0."""
+        """Begin at time 0."""
         self.task = RatesTask({'inertial': 200.0}, 0.05, 1.0)
         self.now, self.sequence = 0.0, 0
 
     def run(self, seconds, rate=200, lose=()):
-        """Let time pass; lose counts the messages of this run that do not arrive."""
+        """Send messages for some seconds, except those with an index in lose."""
         for index in range(int(seconds * rate)):
             self.now += 1 / rate
             self.sequence += 1
@@ -51,8 +51,8 @@ class Stream:
         return summary
 
 
-def test_a_whole_stream_is_fine():
-    """Through several turns of the counter."""
+def test_a_complete_stream_is_ok():
+    """The counter wraps several times."""
     stream = Stream()
     assert stream.run(6) == (OK, 'All messages at their rates')
     values = values_of(stream.task, stream.now)
@@ -60,8 +60,8 @@ def test_a_whole_stream_is_fine():
                       'inertial lost': '0'}
 
 
-def test_losses_are_counted_and_told_for_a_moment():
-    """Wraps included; later all is fine again, and the count stays."""
+def test_losses_are_counted_and_reported_for_a_while():
+    """Later the level is OK again, and the count remains."""
     stream = Stream()
     stream.run(1)
     summary = stream.run(0.5, lose={50, 51, 56, 70})
@@ -70,13 +70,13 @@ def test_losses_are_counted_and_told_for_a_moment():
     assert stream.task.lost == {'inertial': 4}
 
 
-def test_a_wrong_rate_is_told():
-    """The counter has no gaps, but the device is slow."""
+def test_a_wrong_rate_is_reported():
+    """The counter has no gaps, but the device sends too slowly."""
     assert Stream().run(6, rate=180).message == 'inertial at 180 Hz instead of 200'
 
 
-def test_what_a_host_held_back_is_no_wrong_rate():
-    """It comes late, and then all at once: too few in one span, too many in the next."""
+def test_messages_held_back_by_a_host_are_no_wrong_rate():
+    """They arrive late and all at once: too few in one span, too many in the next."""
     stream = Stream()
     stream.run(3)
     for _ in range(5):
@@ -88,8 +88,8 @@ def test_what_a_host_held_back_is_no_wrong_rate():
         assert stream.run(4.1) == (OK, 'All messages at their rates')
 
 
-def test_a_rate_at_the_edge_of_its_tolerance_is_not_another_at_every_message():
-    """Each change of level is reported at once, and such a one would be for nothing."""
+def test_a_rate_near_its_tolerance_rarely_changes_the_level():
+    """Each change of level is published at once."""
     stream, levels = Stream(), []
     for turn in range(400):
         levels.append(stream.run(0.05, rate=(200, 220, 220)[turn % 3]).level)
@@ -97,8 +97,8 @@ def test_a_rate_at_the_edge_of_its_tolerance_is_not_another_at_every_message():
     assert changes <= stream.now / 2
 
 
-def test_a_rate_is_not_wrong_because_the_stream_had_paused():
-    """As at the start of the real device, 2.7 s after its first sample: reported as stale."""
+def test_a_pause_is_no_wrong_rate():
+    """At the start of the real device, it is 2.7 s long, and the stream is reported as stale."""
     stream = Stream()
     stream.run(0.005)
     assert summary_of(stream.task, stream.now + 2.7).level == STALE
@@ -107,8 +107,8 @@ def test_a_rate_is_not_wrong_because_the_stream_had_paused():
         assert stream.run(0.1) == (OK, 'All messages at their rates')
 
 
-def test_no_stream():
-    """Neither at the start, nor after it has ended; then it is back."""
+def test_a_stream_is_stale_before_its_start_and_after_its_end():
+    """It ends after the time-out of 1 s."""
     stream = Stream()
     assert summary_of(stream.task, 0.0) == (STALE, 'No data from the device')
     stream.run(3)
@@ -117,7 +117,7 @@ def test_no_stream():
 
 
 def test_diagnostics_mode_is_not_an_error():
-    """Service messages come, and no data: that is as it should be."""
+    """The device sends service messages and no data."""
     stream = Stream()
     stream.run(1)
     stream.task.observe(Acknowledgement(0xF0, 0), stream.now + 0.5)
@@ -126,8 +126,8 @@ def test_diagnostics_mode_is_not_an_error():
     assert 'diagnostics mode' not in summary_of(stream.task, stream.now + 30).message
 
 
-def test_a_restart_is_no_loss():
-    """The counters of another stream have nothing to do with those of this one."""
+def test_restart_is_no_loss():
+    """The counters of two streams are independent."""
     stream = Stream()
     stream.run(1)
     stream.task.restart()
@@ -138,7 +138,7 @@ def test_a_restart_is_no_loss():
 
 @pytest.mark.parametrize('pause', [0.6, 2.7, 30.0])
 def test_a_pause_of_the_device_is_no_loss(pause):
-    """As at the start of the real one: its counter goes on where it stood."""
+    """At the start of the real device, the counter continues after the pause."""
     stream = Stream()
     stream.run(0.1)
     stream.now += pause
@@ -147,7 +147,7 @@ def test_a_pause_of_the_device_is_no_loss(pause):
 
 
 def test_diagnostics_mode_is_no_loss():
-    """However its counters go on afterwards."""
+    """The counter may continue anywhere afterwards."""
     stream = Stream()
     stream.run(1)
     stream.task.observe(Acknowledgement(0xF0, 0), stream.now + 0.1)
@@ -157,8 +157,8 @@ def test_diagnostics_mode_is_no_loss():
     assert stream.task.lost == {'inertial': 0}
 
 
-def test_rates_begin_with_the_first_message():
-    """A device that starts late is not slow."""
+def test_rates_are_measured_from_the_first_message():
+    """A device that starts late does not send too slowly."""
     task = RatesTask({'inertial': 200.0}, 0.05, 1.0)
     summary_of(task, 0.0)
     stream = Stream()

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the messages of each task."""
+"""Tests of the levels and messages of the tasks."""
 
 import random
 from types import SimpleNamespace
@@ -38,55 +38,55 @@ def link_task(link, counters, hint=HINT):
 
 
 def link_summary(**counters):
-    """Return the summary on a link at the time 100 s."""
+    """Return the summary of a link at time 100 s."""
     return summary_of(link_task(LINK, LinkCounters(**counters)), 100.0)
 
 
-def test_a_port_that_is_not_open_says_why():
-    """In the words of the link."""
+def test_a_closed_port_reports_the_reason():
+    """The reason is the error of the link."""
     assert link_summary(error='/dev/ttyUSB0 is gone') == (ERROR, '/dev/ttyUSB0 is gone')
 
 
-def test_an_open_port_with_data_is_fine():
-    """The last byte came half a second ago."""
+def test_an_open_port_with_data_is_ok():
+    """The last byte arrived 0.5 s ago."""
     assert link_summary(open_since=1.0, last_data=99.5) == (OK, '/dev/ttyUSB0 is open')
 
 
 @pytest.mark.parametrize('last_data', [None, 50.0, 95.0])
-def test_a_silent_port_is_an_error_that_says_what_to_look_at(last_data):
-    """Counted from its opening if nothing ever came, or came before it."""
+def test_a_silent_port_is_an_error_with_a_hint(last_data):
+    """Silence begins when the port is opened, if no byte has arrived since."""
     level, message = link_summary(open_since=95.0, last_data=last_data)
     assert level == ERROR
     assert message == '/dev/ttyUSB0 is open but silent: is the device powered?'
 
 
 @pytest.mark.parametrize('hint, end', [(HINT, '?'), ('Look', '.'), ('Look.', '')])
-def test_a_silent_server_is_not_the_connection(hint, end):
-    """Keep-alive would have reported it; a full stop ends the hint before this sentence."""
+def test_a_silent_server_is_still_connected(hint, end):
+    """Keep-alive would have detected a lost connection. A full stop ends the hint."""
     link = SimpleNamespace(name='socket://h:1', path='', is_network=True, stolen=0)
     task = link_task(link, LinkCounters(open_since=1.0), hint)
     assert summary_of(task, 100.0).message.endswith(
         f"{hint.rstrip('?')}{end} The connection to the serial server is up.")
 
 
-def test_another_program_on_the_port_is_named_with_the_remedy():
-    """It cannot be seen, but reads find nothing again and again."""
+def test_another_reader_is_reported_with_the_remedy():
+    """Its processes are not visible, but reads repeatedly return no bytes."""
     link = SimpleNamespace(**vars(LINK))
     task = link_task(link, LinkCounters(open_since=1.0, last_data=100.0))
     link.stolen = ENOUGH_STOLEN
     task.check_sharing(100.0)
     assert summary_of(task, 100.0) == (
         ERROR, 'another program is reading /dev/ttyUSB0 and takes bytes from the driver (one of '
-               'another user): end it, "fuser -v /dev/ttyUSB0" lists all')
+               'another user): end it; "fuser -v /dev/ttyUSB0" lists all')
 
 
-def test_a_port_just_opened_is_not_yet_silent():
-    """It has a second."""
+def test_a_port_is_not_silent_right_after_opening():
+    """The time-out is 1 s."""
     assert link_summary(open_since=99.5).level == OK
 
 
-def test_traffic_is_told_against_the_baud_rate():
-    """Ten bits a byte: 5,760 of 11,520 bytes a second are half of the line."""
+def test_use_of_the_line():
+    """With ten bits per byte, 5,760 bytes/s are half of 11,520 bytes/s."""
     counters, stream = LinkCounters(open_since=0.0), PipelineCounters(FramingCounters())
     task = LinkTask(LINK, counters, stream, 1.0, HINT, int)
     values_of(task, 0.0)
@@ -99,7 +99,7 @@ def test_traffic_is_told_against_the_baud_rate():
 
 
 def framing_summary(received, frames, failures, skipped, last_bytes=b'\xff' * 99):
-    """Return the summary after a second that brought so much."""
+    """Return the summary after one second with these counts."""
     counters = PipelineCounters(FramingCounters())
     task = FramingTask(counters, 115200, 'bahrs', lambda: {'CRC order': 'word'},
                        recognize, 0.1)
@@ -120,38 +120,38 @@ def framing_summary(received, frames, failures, skipped, last_bytes=b'\xff' * 99
     (30, 0, 0, 0, STALE, 'Waiting for a whole frame'),
     (8000, 0, 0, 8000, ERROR, 'no frame of a bahrs: is 115200 the baud rate'),
 ])
-def test_framing(received, frames, failures, skipped, level, words):
-    """Each state has a message of its own."""
+def test_framing_messages(received, frames, failures, skipped, level, words):
+    """Each state has its own message."""
     summary = framing_summary(received, frames, failures, skipped)
     assert summary.level == level and words in summary.message
 
 
-def test_text_is_another_device():
-    """Such as a GNSS receiver."""
+def test_text_is_reported_as_another_device():
+    """A GNSS receiver sends text."""
     summary = framing_summary(8000, 0, 0, 8000, b'$GPGGA,123519,4807.038,N*47\r\n' * 4)
     assert summary.level == ERROR and 'another device is on this port' in summary.message
 
 
-def test_integrity_of_a_stream_that_ended_is_not_known():
-    """However safe it was."""
+def test_integrity_of_a_stale_stream_is_unknown():
+    """The last integrity does not matter."""
     task = IntegrityTask({'roll': SAFE}, lambda now: now > 5.0)
     assert summary_of(task, 4.0) == (OK, 'All signals safe')
     assert summary_of(task, 6.0) == (STALE, 'No data from the device')
 
 
-def test_the_other_sensor_is_named():
-    """Its frames are as good a proof as ours."""
+def test_frames_of_the_other_sensor():
+    """The frames identify it."""
     bahrs = BahrsCodec().encode(NAVIGATION, 3)
     counters = PipelineCounters(FramingCounters())
     task = FramingTask(counters, 115200, 'titan_m', dict, recognize, 0.1)
     summary_of(task, 0.0)
     counters.bytes_received, counters.last_bytes = 8000, (bahrs * 12)[-SAMPLE_SIZE:]
     assert summary_of(task, 1.0) == (
-        ERROR, 'A bahrs is on this port, not a titan_m: set parameter sensor to it')
+        ERROR, 'A bahrs is on this port, not a titan_m: set parameter sensor to bahrs')
 
 
-def test_a_wrong_device_that_says_little_is_told_as_well():
-    """A sentence of 70 bytes a second, as GNSS receivers have it; not after a new opening."""
+def test_a_wrong_device_that_sends_little_is_reported():
+    """It sends 70 bytes/s, as a GNSS receiver does. Opening the port again resets the count."""
     counters = PipelineCounters(FramingCounters(), streams=1)
     task = FramingTask(counters, 115200, 'bahrs', dict, recognize, 0.1)
     for second in range(6):
@@ -163,8 +163,8 @@ def test_a_wrong_device_that_says_little_is_told_as_well():
     assert summary_of(task, 6.0) == (STALE, 'Waiting for a whole frame')
 
 
-def test_a_share_of_damage_at_the_limit_is_not_another_level_at_every_frame():
-    """Each change of level is reported at once."""
+def test_damage_near_the_limit_rarely_changes_the_level():
+    """Each change of level is published at once."""
     counters = PipelineCounters(FramingCounters())
     task, levels = FramingTask(counters, 115200, 'bahrs', dict, recognize, 0.1), []
     chance = random.Random(3)
@@ -178,8 +178,8 @@ def test_a_share_of_damage_at_the_limit_is_not_another_level_at_every_frame():
     assert sum(before != after for before, after in zip(levels, levels[1:])) < 10
 
 
-def test_a_device_of_an_unknown_version_is_told():
-    """Its frames are intact, and not one of them is understood."""
+def test_a_device_of_an_unknown_version():
+    """Its frames are intact, but all of unknown type."""
     counters = PipelineCounters(FramingCounters())
     task = FramingTask(counters, 115200, 'bahrs', dict, recognize, 0.1)
     summary_of(task, 0.0)
@@ -197,13 +197,13 @@ def test_a_device_of_an_unknown_version_is_told():
     ({'roll': RESERVED, 'pitch': SAFE}, ERROR, 'roll reserved'),
     ({'roll': SAFE, 'pitch': None}, OK, 'All signals safe'),
 ])
-def test_integrity(signals, level, message):
-    """The worst signal gives the level."""
+def test_integrity_messages(signals, level, message):
+    """The worst signal determines the level."""
     assert summary_of(IntegrityTask(signals), 0.0) == (level, message)
 
 
-def test_publishing_is_of_the_present():
-    """What went out an hour ago is no comfort."""
+def test_publishing_becomes_stale():
+    """Earlier messages do not count."""
     counts = {'imu/data': 0, 'integrity': 0}
     task = PublishingTask(counts, 1.0, ('integrity',))
     counts['integrity'] = 1             # that there is no data
@@ -216,7 +216,7 @@ def test_publishing_is_of_the_present():
 
 
 def test_a_fault_of_the_driver_is_shown_for_a_while():
-    """And counted for ever."""
+    """The count remains."""
     faults = FaultLog(str, str)
     task = PublishingTask({'imu/data': 1}, 1.0, (), faults)
     assert summary_of(task, 0.0) == (OK, 'Publishing')
@@ -227,8 +227,8 @@ def test_a_fault_of_the_driver_is_shown_for_a_while():
     assert values_of(task, 12.0)['Faults of the driver'] == '1'
 
 
-def test_a_window_covers_one_span_to_two():
-    """Whenever it is asked."""
+def test_a_window_covers_one_to_two_spans():
+    """This holds at any time."""
     count = [0]
     window = Window(lambda: count, 1.0)
     for step in range(1, 100):

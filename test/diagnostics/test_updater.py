@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the tasks together, and of the self-test."""
+"""Tests of the updater and of the self-test."""
 
 from bahrs_driver.diagnostics.self_test import answer
 from bahrs_driver.diagnostics.task import ERROR, OK, Summary, Template, WARN
@@ -11,7 +11,7 @@ import pytest
 
 
 class StubTask:
-    """A task that reports what the test sets, or the time."""
+    """A task with a given level and message, by default the time."""
 
     def __init__(self, name, level=OK, message='at {now}'):
         self.name, self.level, self.message = name, level, message
@@ -27,8 +27,8 @@ class StubTask:
         return {'now': str(now)}
 
 
-def test_statuses():
-    """Names, levels, values, and whose they are."""
+def test_content_of_statuses():
+    """They have names, levels, values and the hardware id."""
     updater = Updater([StubTask('Link'), StubTask('Rates', WARN)], 'bahrs_driver', '/dev/ttyUSB0',
                       lambda: 7.0)
     first, second = updater.statuses()
@@ -39,10 +39,10 @@ def test_statuses():
 
 
 class Clock:
-    """A clock that stands where the test puts it."""
+    """A clock that the test sets."""
 
     def __init__(self):
-        """Begin late enough for a first report."""
+        """Begin late enough for a report."""
         self.now = 100.0
 
     def __call__(self):
@@ -58,8 +58,8 @@ def clock():
 
 @pytest.mark.parametrize('level, message', [
     (ERROR, 'roll unavailable'), (WARN, 'roll, pitch integrity risk'), (WARN, '')])
-def test_a_change_is_due_until_it_was_reported(clock, level, message):
-    """Of the level, or of the message alone."""
+def test_a_change_is_due_until_it_is_reported(clock, level, message):
+    """A changed message is enough."""
     task = StubTask('Integrity', WARN, 'roll integrity risk')
     updater = Updater([StubTask('Link', OK, 'open'), task], 'bahrs_driver', '', clock)
     assert updater.change_due()
@@ -74,8 +74,8 @@ def test_a_change_is_due_until_it_was_reported(clock, level, message):
     assert not updater.change_due()
 
 
-def test_numbers_alone_are_no_change(clock):
-    """Or a counter in a message would have every sample reported."""
+def test_changed_numbers_are_not_due(clock):
+    """Otherwise a counter in a message would cause a report per sample."""
     task = StubTask('Rates', WARN, 'Lost just now: 3 inertial')
     updater = Updater([task], 'bahrs_driver', '', clock)
     updater.statuses()
@@ -90,28 +90,28 @@ def test_numbers_alone_are_no_change(clock):
 @given(st.lists(st.tuples(
     st.floats(0.0, 0.2), st.sampled_from([OK, WARN, ERROR]), st.sampled_from('abc')),
     min_size=1))
-def test_reports_are_apart_and_the_final_state_is_among_them(steps):
-    """For any changes, if change_due() is called once more after the interval."""
+def test_reports_are_limited_and_include_the_final_state(steps):
+    """For any changes, if change_due() is called again after the interval."""
     clock, task = Clock(), StubTask('Integrity', OK, 'a')
     updater, reports = Updater([task], 'bahrs_driver', '', clock), []
 
-    def look():
+    def report_change():
         if updater.change_due():
             (status,) = updater.statuses()
             reports.append((clock.now, status.level, status.message))
 
     for pause, task.level, task.message in steps:
         clock.now += pause
-        look()
+        report_change()
     clock.now += 1.01 * MIN_INTERVAL
-    look()
+    report_change()
     assert reports[-1][1:] == (task.level, task.message)
     assert all(after - before >= MIN_INTERVAL - 1e-9
                for (before, *_), (after, *_) in zip(reports, reports[1:]))
 
 
-def test_self_test_passes_when_every_test_does():
-    """Its id is that of the hardware, its tests are the tasks that can fail."""
+def test_self_test_passes_if_all_tests_pass():
+    """It has the id of the device, and the tasks that can fail."""
     summaries = {'Link': Summary(OK, 'open'), 'Framing': Summary(OK, 'intact'),
                  'Rates': Summary(OK, 'right'), 'Integrity': Summary(OK, 'safe'),
                  'Publishing': Summary(OK, 'yes')}
@@ -126,8 +126,8 @@ def test_self_test_passes_when_every_test_does():
 
 
 @pytest.mark.parametrize('task', ['Requests', 'Device'])
-def test_self_test_fails_where_answers_are_missing_or_cannot_be_read(task):
-    """A device that is asked may be fine on the line, and still nothing be published."""
+def test_self_test_includes_requests_and_device(task):
+    """A polled device may have a good line and still publish nothing."""
     summaries = dict.fromkeys(('Link', 'Framing', 'Rates', 'Time', 'Requests', 'Device'),
                               Summary(OK, 'fine'))
     assert answer(summaries, '', '', SelfTest.Response()).passed == b'\x01'

@@ -10,7 +10,8 @@ from bahrs_driver.diagnostics.task import DiagnosticTask, Status, Summary, Templ
 
 def summary_of(task: DiagnosticTask, now: float) -> Summary:
     """Return level and message, which are those of a message that the task declares."""
-    summary = task.run(Status(now)).report
+    status = task.run(Status(now))
+    summary = Summary(status.level, status.message)
     assert any(summary.level == message.level and _pattern(message).fullmatch(summary.message)
                for message in task.messages), summary
     return summary
