@@ -14,7 +14,7 @@ import sys
 
 from bahrs_driver.doctor import listening, ros_environment, usb_port
 from bahrs_driver.doctor.check_result import CheckResult, Level, Prevents, problem
-from bahrs_driver.doctor.commands import RUN_DRIVER, run_driver
+from bahrs_driver.doctor.commands import run_driver
 from bahrs_driver.errors import CommandError, RosStartError
 from bahrs_driver.process.printable import printable
 from bahrs_driver.ros.start import check_import
@@ -69,8 +69,6 @@ def run(options: argparse.Namespace) -> int:
     results = []
     console = Console(soft_wrap=True, highlight=False)
     for result in _results(options, has_rclpy):
-        if not os.environ.get('AMENT_PREFIX_PATH'):         # there is no ros2 command then
-            result = result._replace(command=result.command.replace(RUN_DRIVER, 'driver_node'))
         results.append(result)
         if not options.json:
             _show(console, result)
@@ -85,24 +83,24 @@ def _results(options: argparse.Namespace, has_rclpy: bool) -> Iterator[CheckResu
     is_path = '://' not in port
     if is_path:
         port = os.path.abspath(port)
-    may_listen, found = not options.no_listen, None
+    may_listen, probed = not options.no_listen, None
     for result in usb_port.check_port(machine, port, _rule()) if is_path else ():
         yield result
         may_listen &= result.prevents is not Prevents.LISTENING
     if may_listen:
-        found = yield from listening.check(str(machine.path(port)) if is_path else port,
-                                           options.baud_rate, ask=options.ask)
-    # Every command that starts a driver names the device that was recognized.
-    run_it = partial(run_driver, sensor=found.sensor, baud_rate=found.baud_rate) if found \
-        else partial(run_driver, baud_rate=options.baud_rate)
+        probed = yield from listening.check(str(machine.path(port)) if is_path else port,
+                                            options.baud_rate, ask=options.ask)
+    # All following commands are for the device that was recognized.
+    make_command = partial(run_driver, sensor=probed.sensor, baud_rate=probed.baud_rate) \
+        if probed else partial(run_driver, baud_rate=options.baud_rate)
     if is_path:
-        yield from usb_port.check_name(machine, port, _rule(), run_it)
-    starts = True
+        yield from usb_port.check_name(machine, port, _rule(), make_command)
+    ros_works = True
     for result in ros_environment.check(machine.environment, has_rclpy, Path(sys.prefix)):
         yield result
-        starts &= result.prevents is not Prevents.ROS
-    if starts:
-        yield from _graph(options, port, run_it(port))
+        ros_works &= result.prevents is not Prevents.ROS
+    if ros_works:
+        yield from _graph(options, port, make_command(port))
 
 
 def _has_rclpy() -> bool:
@@ -152,9 +150,9 @@ def _rule() -> str:
         installed = Path(get_package_share_directory('bahrs_driver')) / 'config' / usb_port.RULE
         if installed.exists():
             return str(installed)
-    beside = [Path(__file__).resolve().parents[2] / 'config' / usb_port.RULE,
-              Path(sys.prefix) / 'share/bahrs_driver/config' / usb_port.RULE]
-    return str(next((path for path in beside if path.exists()), beside[0]))
+    sources = [Path(__file__).resolve().parents[2] / 'config' / usb_port.RULE,
+               Path(sys.prefix) / 'share/bahrs_driver/config' / usb_port.RULE]
+    return str(next((path for path in sources if path.exists()), sources[0]))
 
 
 def _show(console: Console, result: CheckResult) -> None:
@@ -165,5 +163,5 @@ def _show(console: Console, result: CheckResult) -> None:
 
 
 def _shown(text: str) -> str:
-    # It holds names of devices, processes, nodes and variables from outside.
+    # Names of devices, processes, nodes and variables may contain any characters.
     return printable(text, LONGEST_LINE)

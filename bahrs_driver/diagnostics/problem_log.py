@@ -29,7 +29,7 @@ class ProblemLog:
         self._error = error
         self._info = info
         self._logged: set[str] = set()              # tasks whose error is in the log
-        self._changed_at: dict[str, float] = {}     # times when a task began to differ from the log
+        self._changed_at: dict[str, float] = {}     # since when a task differs from the log
 
     def check(self, summaries: Mapping[str, Summary], now: float) -> None:
         """

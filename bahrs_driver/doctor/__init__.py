@@ -3,6 +3,6 @@
 """
 The checks of `bahrs doctor`.
 
-`usb_port`, `listening`, `ros_environment`, `graph` and `reports` each check one thing and yield
-results; `commands` has the commands that they suggest.
+The modules `usb_port`, `listening`, `ros_environment`, `graph` and `driver_health` each check one
+subject and yield results; `commands` builds the commands that they suggest.
 """

@@ -7,15 +7,15 @@ from typing import NamedTuple
 
 
 class Level(Enum):
-    """How much a result matters."""
+    """The severity of a result."""
 
     OK = 'ok'
-    ADVICE = 'advice'       # it works; it would be better otherwise
+    ADVICE = 'advice'       # it works and could be better
     PROBLEM = 'problem'     # it does not work
 
 
 class Prevents(Enum):
-    """Which later checks a result makes impossible."""
+    """The later checks that a result makes impossible."""
 
     NOTHING = 0
     LISTENING = 1           # the port cannot be opened, or must not be
@@ -27,7 +27,7 @@ class CheckResult(NamedTuple):
 
     check: str              # the name of the check, one or two words
     level: Level
-    message: str            # the state, in a sentence
+    message: str            # the state in a sentence
     command: str = ''       # the command that corrects it; empty if there is nothing to correct
     prevents: Prevents = Prevents.NOTHING
 
@@ -37,17 +37,17 @@ class CheckResult(NamedTuple):
                 'command': self.command}
 
 
-def good(check: str, message: str, prevents: Prevents = Prevents.NOTHING) -> CheckResult:
-    """Return the result that something is as it should be."""
+def ok(check: str, message: str, prevents: Prevents = Prevents.NOTHING) -> CheckResult:
+    """Return a result without a problem."""
     return CheckResult(check, Level.OK, message, '', prevents)
 
 
 def advice(check: str, message: str, command: str = '') -> CheckResult:
-    """Return the result that something would be better otherwise."""
+    """Return a result with advice."""
     return CheckResult(check, Level.ADVICE, message, command)
 
 
 def problem(check: str, message: str, command: str,
             prevents: Prevents = Prevents.NOTHING) -> CheckResult:
-    """Return the result that something does not work."""
+    """Return a result with a problem, and the command that corrects it."""
     return CheckResult(check, Level.PROBLEM, message, command, prevents)

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Find out which device is on a port, and its baud rate.
+Detect the device on a port, and its baud rate.
 
-For a device that sends by itself it is enough to listen, and nothing is written. A device that
-only answers is asked if the user permits it.
+A device that sends by itself is detected by listening. A device that only answers is detected by
+requests, which are sent only if the user permits it.
 """
 
 from collections.abc import Generator, Sequence
@@ -13,7 +13,7 @@ import time
 from typing import NamedTuple
 
 from bahrs_driver.devices.registry import DEVICES
-from bahrs_driver.doctor.check_result import CheckResult, good, problem
+from bahrs_driver.doctor.check_result import CheckResult, ok, problem
 from bahrs_driver.doctor.commands import run_doctor, run_driver
 from bahrs_driver.errors import LinkError
 from bahrs_driver.protocol.framing import Framer
@@ -22,7 +22,7 @@ from bahrs_driver.transport.link import Link
 BAUD_RATES = (115200, 921600, 460800, 230400, 57600, 38400, 19200, 9600)
 LISTEN_TIME = 1.5           # s at each rate
 REQUEST_PERIOD = 0.3        # s
-ENOUGH_FRAMES = 20          # that prove a device before LISTEN_TIME is over
+ENOUGH_FRAMES = 20          # frames that prove a device before LISTEN_TIME is over
 
 
 class ProbeResult(NamedTuple):
@@ -38,7 +38,7 @@ class ProbeResult(NamedTuple):
 
 def probe(port: str, baud_rate: int, seconds: float = LISTEN_TIME,
           ask: bool = False) -> ProbeResult:
-    """Return what arrives on a port, with requests or without; LinkError if it cannot be open."""
+    """Listen on a port, and send requests if ask is true; LinkError if it cannot be opened."""
     formats = {name: spec.frame_format() for name, spec in DEVICES.items()}
     framers = {name: Framer(frame_format) for name, frame_format in formats.items()}
     requests = [request for spec in DEVICES.values() for request in spec.probe_requests]
@@ -49,7 +49,7 @@ def probe(port: str, baud_rate: int, seconds: float = LISTEN_TIME,
         ended = False
         while not ended and not any(_proven(name, framer.counters.frames, attempts)
                                     for name, framer in framers.items()):
-            # Before the read, which returns what arrived while a busy host did something else.
+            # Before the read: on a busy host, it returns bytes that arrived in time.
             ended = time.monotonic() >= begin + seconds
             if ask and requests and time.monotonic() >= begin + attempts * REQUEST_PERIOD:
                 link.write(requests[attempts % len(requests)])
@@ -72,35 +72,35 @@ def _proven(sensor: str, frames: int, attempts: int) -> bool:
 
 
 def _answers(sensor: str) -> bool:
-    """Return whether a device only answers."""
+    """Return whether a device only answers requests."""
     return bool(DEVICES[sensor].probe_requests)
 
 
 def check(port: str, expected_rate: int, seconds: float = LISTEN_TIME, ask: bool = False,
           rates: Sequence[int] = BAUD_RATES) -> Generator[CheckResult, None, ProbeResult | None]:
     """
-    Check which device sends at the expected baud rate, or at which other.
+    Check which device sends at the expected baud rate, or else at another.
 
-    The generator returns the probe of the device that was recognized, if any.
+    The generator returns the result of the probe that recognized a device, if any.
     """
     try:
-        first = probe(port, expected_rate, seconds, ask)
-        if first.device:
-            yield _described(first)
-            return first
-        if not first.bytes_received and not ask:
+        expected = probe(port, expected_rate, seconds, ask)
+        if expected.device:
+            yield _recognized(expected)
+            return expected
+        if not expected.bytes_received and not ask:
             yield _silent(port, expected_rate)
             return None
         for rate in rates:
             if rate != expected_rate and (found := probe(port, rate, seconds, ask)).device:
                 yield problem('device', f'a {found.device} sends at {rate} baud, not at '
                                         f'{expected_rate}', run_driver(port, found.sensor, rate))
-                yield _described(found)
+                yield _recognized(found)
                 return found
     except (LinkError, ValueError) as error:
         yield problem('device', f'cannot listen: {error}', run_doctor(port, expected_rate))
         return None
-    yield _unrecognized(port, first)
+    yield _unrecognized(port, expected)
     return None
 
 
@@ -129,8 +129,8 @@ def _labels(answers: bool) -> str:
     return ' or '.join(spec.label for name, spec in DEVICES.items() if _answers(name) is answers)
 
 
-def _described(found: ProbeResult) -> CheckResult:
+def _recognized(found: ProbeResult) -> CheckResult:
     verb = 'answers' if _answers(found.sensor) else 'sends'
     damage = f'{found.damaged} damaged' if found.damaged else 'none damaged'
-    return good('device', f'a {found.device} {verb} at {found.baud_rate} baud: {found.frames} '
-                          f'frames, {damage}')
+    return ok('device', f'a {found.device} {verb} at {found.baud_rate} baud: {found.frames} '
+                        f'frames, {damage}')

@@ -9,7 +9,7 @@ import re
 import shlex
 import tempfile
 
-from bahrs_driver.doctor.check_result import advice, CheckResult, good, Prevents, problem
+from bahrs_driver.doctor.check_result import advice, CheckResult, ok, Prevents, problem
 from bahrs_driver.ros.environment import (
     ament_prefixes, DISTRIBUTION, environment_problems, log_directory, log_problem, middlewares,
     SAFE_DOMAIN,
@@ -30,8 +30,8 @@ def check(environment: Mapping[str, str], has_rclpy: bool, python: Path) -> Iter
         yield from _distribution(environment, prefixes)
         yield from _package(prefixes)
     else:
-        yield good('ROS', f'comes from the Python packages in {python}: driver_node and bahrs are '
-                          'in its bin, and there is no ros2 command')
+        yield ok('ROS', f'comes from the Python packages in {python}: driver_node and bahrs are '
+                        'in its bin, and there is no ros2 command')
     problems = list(environment_problems(environment, python, SAFE_DOMAIN))
     for found in problems:
         yield problem(*found, Prevents.ROS)
@@ -57,14 +57,14 @@ def _distribution(environment: Mapping[str, str], prefixes: list[Path]) -> Itera
         yield advice('ROS', f'is {name}: this package is tested on {DISTRIBUTION}',
                      f'source /opt/ros/{DISTRIBUTION}/setup.bash')
     else:
-        yield good('ROS', f'is {name or "there, of no named distribution"}')
+        yield ok('ROS', f'is {name or "of an unnamed distribution"}')
 
 
 def _package(prefixes: list[Path]) -> Iterator[CheckResult]:
     index = f'share/ament_index/resource_index/packages/{PACKAGE}'
-    where = next((prefix for prefix in prefixes if os.path.exists(prefix / index)), None)
-    if where:
-        yield good('package', f'{PACKAGE} is in {where}')
+    found = next((prefix for prefix in prefixes if os.path.exists(prefix / index)), None)
+    if found:
+        yield ok('package', f'{PACKAGE} is in {found}')
     else:
         yield advice('package', f'{PACKAGE} is not on AMENT_PREFIX_PATH: "ros2 run {PACKAGE}" '
                                 'does not find it', 'source install/setup.bash')
@@ -74,17 +74,17 @@ def _middleware(environment: Mapping[str, str], python: Path) -> CheckResult:
     installed = middlewares(environment, python)
     chosen = environment.get('RMW_IMPLEMENTATION', '')
     if chosen:
-        return good('middleware', f'is {chosen}, as RMW_IMPLEMENTATION says: that of every other '
-                                  'machine must be the same')
-    there = f' (there is {", ".join(installed)})' if installed else ''
-    return good('middleware', f'is the default{there}')
+        return ok('middleware', f'is {chosen}, from RMW_IMPLEMENTATION: every other machine must '
+                                'use the same')
+    names = f' (installed: {", ".join(installed)})' if installed else ''
+    return ok('middleware', f'is the default{names}')
 
 
 def _domain(environment: Mapping[str, str]) -> CheckResult:
     text = environment.get('ROS_DOMAIN_ID', '')
     if not text:
-        return good('domain', 'is 0, the default')
-    return good('domain', f'is {text}: every subscriber must have the same ROS_DOMAIN_ID')
+        return ok('domain', 'is 0, the default')
+    return ok('domain', f'is {text}: every subscriber must have the same ROS_DOMAIN_ID')
 
 
 def _range(environment: Mapping[str, str]) -> Iterator[CheckResult]:
@@ -99,15 +99,15 @@ def _range(environment: Mapping[str, str]) -> Iterator[CheckResult]:
         yield problem('discovery', 'ROS_AUTOMATIC_DISCOVERY_RANGE is OFF: no node finds another',
                       'unset ROS_AUTOMATIC_DISCOVERY_RANGE')
     elif chosen == 'LOCALHOST':
-        yield good('discovery', 'nodes of this machine only')
+        yield ok('discovery', 'nodes of this machine only')
     else:
-        yield good('discovery', 'nodes of this network')
+        yield ok('discovery', 'nodes of this network')
 
 
 def _log_files(environment: Mapping[str, str]) -> CheckResult:
     reason = log_problem(environment)
     if not reason:
-        return good('log files', f'go to {log_directory(environment)}')
+        return ok('log files', f'go to {log_directory(environment)}')
     folder = Path(tempfile.gettempdir()) / 'ros_logs'
     return advice('log files', f'nodes write none: {reason}',
                   f'export ROS_LOG_DIR={shlex.quote(str(folder))}')

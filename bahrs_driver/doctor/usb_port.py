@@ -1,12 +1,12 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Check the port: existence, access, other programs, and the settings of its adapter."""
+"""Check the port: its existence, access, other programs, and the settings of its adapter."""
 
 from collections.abc import Callable, Iterator
 import os
 import shlex
 
-from bahrs_driver.doctor.check_result import advice, CheckResult, good, Prevents, problem
+from bahrs_driver.doctor.check_result import advice, CheckResult, ok, Prevents, problem
 from bahrs_driver.doctor.commands import run_doctor, run_driver
 from bahrs_driver.transport.explain import describe_process
 from bahrs_driver.transport.machine import Machine
@@ -36,7 +36,7 @@ def candidates(machine: Machine) -> list[str]:
 
 
 def check_port(machine: Machine, port: str, rule: str) -> Iterator[CheckResult]:
-    """Check whether a port is there, accessible and free; rule is the path of the udev rule."""
+    """Check whether a port exists, is accessible and free; rule is the path of the udev rule."""
     try:
         os.stat(machine.path(port))
     except PermissionError:
@@ -46,7 +46,7 @@ def check_port(machine: Machine, port: str, rule: str) -> Iterator[CheckResult]:
         yield _missing(machine, port)
         return
     device = machine.resolved(port)
-    yield good('port', f'{port} is there' + (f' ({device})' if device != port else ''))
+    yield ok('port', f'{port} exists' + (f' ({device})' if device != port else ''))
     yield _access(machine, port)
     yield from _busy(machine, port, device)
     yield from _modem_manager(machine, device, rule)
@@ -62,8 +62,8 @@ def _missing(machine: Machine, port: str) -> CheckResult:
         driver = DRIVERS.get(machine.read(f'{name}/idVendor') or '')
         if driver:
             return _no_tty(machine, port, driver)
-    return problem('port', f'{port} does not exist, nor any adapter on USB: plug it in and watch '
-                           'the messages of the kernel', 'sudo dmesg --follow',
+    return problem('port', f'{port} does not exist, and no adapter is on USB: plug it in and '
+                           'watch the messages of the kernel', 'sudo dmesg --follow',
                    Prevents.LISTENING)
 
 
@@ -81,7 +81,7 @@ def _no_tty(machine: Machine, port: str, driver: str) -> CheckResult:
 def _access(machine: Machine, port: str) -> CheckResult:
     found = access_advice(machine, port)
     if found is None:
-        return good('access', f'user {machine.user.name} may open it')
+        return ok('access', f'user {machine.user.name} may open it')
     return problem('access', f'user {machine.user.name} may not open {port}: {found.reason}; '
                              f'{found.remedy}', found.command, Prevents.LISTENING)
 
@@ -91,17 +91,17 @@ def _busy(machine: Machine, port: str, device: str) -> Iterator[CheckResult]:
     for process in holders:
         message = f'{port} is open in {describe_process(process)}'
         if process.name == OUR_DRIVER:
-            yield good('in use', f'{message}: the driver runs', Prevents.LISTENING)
+            yield ok('in use', f'{message}: the driver runs', Prevents.LISTENING)
         elif process.name == MODEM_MANAGER:
             yield problem('in use', message, 'sudo systemctl stop ModemManager',
                           Prevents.LISTENING)
         else:
             yield problem('in use', message, f'kill {process.pid}', Prevents.LISTENING)
     if not holders and machine.all_visible():
-        yield good('in use', 'no other process has it open')
+        yield ok('in use', 'no other process has it open')
     elif not holders:
-        yield good('in use', f'no process of user {machine.user.name} has it open; processes of '
-                             'other users are not visible')
+        yield ok('in use', f'no process of user {machine.user.name} has it open; processes of '
+                           'other users are not visible')
 
 
 def _modem_manager(machine: Machine, device: str, rule: str) -> Iterator[CheckResult]:
@@ -109,12 +109,12 @@ def _modem_manager(machine: Machine, device: str, rule: str) -> Iterator[CheckRe
     if not name.startswith(PORTS):
         return
     if not any(process.name == MODEM_MANAGER for process in machine.processes()):
-        yield good('ModemManager', 'does not run')
+        yield ok('ModemManager', 'does not run')
         return
     number = machine.read(f'/sys/class/tty/{name}/dev')
     marks = (machine.read(f'/run/udev/data/c{number}') or '').splitlines()
     if any(mark in marks for mark in ('E:ID_MM_DEVICE_IGNORE=1', 'E:ID_MM_PORT_IGNORE=1')):
-        yield good('ModemManager', 'runs, and leaves this port alone')
+        yield ok('ModemManager', 'runs, and leaves this port alone')
     else:
         yield problem('ModemManager', 'runs, and may take the device for a modem and write to it '
                                       'whenever it is plugged in', install_rule(rule))
@@ -126,7 +126,7 @@ def _latency(machine: Machine, device: str) -> Iterator[CheckResult]:
     if timer is None:
         return
     if timer == '1':
-        yield good('latency timer', 'is 1 ms')
+        yield ok('latency timer', 'is 1 ms')
     else:
         yield advice('latency timer', f'is {timer} ms: data arrives up to {timer} ms late; '
                                       'stamps are not affected',
@@ -134,18 +134,18 @@ def _latency(machine: Machine, device: str) -> Iterator[CheckResult]:
 
 
 def check_name(machine: Machine, port: str, rule: str,
-               run: Callable[[str], str] = run_driver) -> Iterator[CheckResult]:
-    """Check whether a port has a stable name; run returns the command that starts a driver."""
+               make_command: Callable[[str], str] = run_driver) -> Iterator[CheckResult]:
+    """Check whether a port has a stable name; make_command starts a driver on a port."""
     device = machine.resolved(port)
     if not os.path.basename(device).startswith(PORTS) or not os.path.exists(machine.path(port)):
         return
     if port != device:
-        yield good('name', 'does not change when devices are plugged in in another order')
+        yield ok('name', 'does not change when devices are plugged in in another order')
         return
     stable = [name for name in machine.names(BY_ID) if machine.resolved(name) == device]
     if stable:
-        yield advice('name', f'{port} may be another device after the next plug: {stable[0]} is '
-                             'always this one', run(stable[0]))
+        yield advice('name', f'{port} may name another device after replugging: {stable[0]} '
+                             'always names this one', make_command(stable[0]))
     else:
-        yield advice('name', f'{port} may be another device after the next plug, and it has no '
+        yield advice('name', f'{port} may name another device after replugging, and it has no '
                              'stable name', install_rule(rule))

@@ -34,7 +34,8 @@ def test_no_device(tmp_path):
     status, text = doctor('--root', str(tmp_path))
     assert status == 1
     wrong, remedy, *_ = text.splitlines()
-    assert wrong.startswith('problem port: /dev/ttyUSB0 does not exist, nor any adapter on USB')
+    assert wrong.startswith('problem port: /dev/ttyUSB0 does not exist, and no adapter is '
+                            'on USB')
     assert remedy.split('-> ')[1] == 'sudo dmesg --follow'
     assert '\x1b' not in text
 
@@ -44,7 +45,7 @@ def test_a_port_named_from_here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / 'port').touch()
     _, text = doctor('--port', 'port', '--no-listen')
-    assert f'{tmp_path}/port is there' in text
+    assert f'{tmp_path}/port exists' in text
 
 
 def test_a_domain_that_is_none(monkeypatch):

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the doctor on machines whose names, files and variables hold anything."""
+"""Tests of the doctor with arbitrary names, files and variables."""
 
 import os
 from pathlib import Path
@@ -9,7 +9,7 @@ import tempfile
 
 from bahrs_driver.doctor import ros_environment
 from bahrs_driver.doctor.commands import run_doctor, run_driver
-from bahrs_driver.doctor.reports import Reports
+from bahrs_driver.doctor.driver_health import DriverStatuses
 from bahrs_driver.doctor.usb_port import check_name, check_port
 from bahrs_driver.process.printable import printable
 from bahrs_driver.transport.machine import Machine, User
@@ -32,8 +32,8 @@ FILES = st.dictionaries(
     CONTENTS)
 
 
-def are_safe(results):
-    """Assert that results can be shown, and their commands pasted into a shell."""
+def assert_safe(results):
+    """Assert that results are printable, and that their commands are safe in a shell."""
     for result in results:
         assert printable(result.message, 2000).isprintable()
         assert result.command == '' or shlex.split(result.command)
@@ -43,7 +43,7 @@ def are_safe(results):
 @settings(max_examples=100)
 @given(name=NAMES, files=FILES, port=st.sampled_from(['/dev/ttyUSB0', '/dev/{}', '/dev/x' + LONG]))
 def test_any_machine(name, files, port):
-    """Descriptors of adapters become names of links, and processes call themselves anything."""
+    """USB descriptors become names of links, and processes choose their names."""
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
         links = root / 'dev/serial/by-id'
@@ -56,7 +56,7 @@ def test_any_machine(name, files, port):
         for user in (User('pilot', 4711, frozenset()), User('root', 0, frozenset())):
             machine = Machine(root, user, {})
             port, rule = port.format(name), f'/{name}/99-bahrs.rules'
-            are_safe([*check_port(machine, port, rule), *check_name(machine, port, rule)])
+            assert_safe([*check_port(machine, port, rule), *check_name(machine, port, rule)])
 
 
 @given(variables=st.dictionaries(
@@ -66,8 +66,8 @@ def test_any_machine(name, files, port):
     st.one_of(TEXTS, st.just(LONG), TEXTS.map(lambda text: f'/opt/ros/{text}:/opt/ros/jazzy'))),
     has_rclpy=st.booleans())
 def test_any_environment(variables, has_rclpy):
-    """Variables come from the user's shell, and from whatever set them there."""
-    are_safe(ros_environment.check(variables, has_rclpy, Path('/nowhere')))
+    """Environment variables may have any value."""
+    assert_safe(ros_environment.check(variables, has_rclpy, Path('/nowhere')))
 
 
 LEVELS = st.binary(min_size=1, max_size=1)
@@ -81,19 +81,19 @@ STATUSES = st.builds(
 
 @given(statuses=st.lists(STATUSES, max_size=20), damage=st.binary(max_size=40))
 def test_any_diagnostics(statuses, damage):
-    """Of a driver, and of others; or bytes that are none."""
-    reports = Reports(['/bahrs_driver', '/left/front'])
-    reports.add(serialize_message(DiagnosticArray(status=[
+    """Other nodes publish statuses, too, and bytes may be malformed."""
+    found = DriverStatuses(['/bahrs_driver', '/left/front'])
+    found.add(serialize_message(DiagnosticArray(status=[
         *statuses, DiagnosticStatus(name='bahrs_driver: Link', level=b'\2', message='\x1bc')])))
-    reports.add(damage)
-    results = list(reports.results())
-    are_safe(results)
+    found.add(damage)
+    results = list(found.results())
+    assert_safe(results)
     assert any('\x1bc' in result.message for result in results)
     assert results[-1].message.startswith('/left/front reports nothing')
 
 
 @given(port=st.one_of(NAMES, TEXTS).filter(bool), rate=st.integers(1, 10 ** 7))
 def test_commands_name_the_port_unchanged(port, rate):
-    """One argument each, for a shell."""
+    """The port is one argument in a shell."""
     assert f'port:={port}' in shlex.split(run_driver(port, 'titan_m', rate))
     assert port in shlex.split(run_doctor(port, rate))

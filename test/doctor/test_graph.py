@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what the doctor finds between the driver's publishers and their subscribers."""
+"""Tests of the checks of drivers and their subscribers."""
 
 import contextlib
 
@@ -16,8 +16,8 @@ from support.processes import running, wait_for
 
 
 @contextlib.contextmanager
-def made_node(name):
-    """Make a node in a context of its own, and leave nothing of it behind."""
+def create_node(name):
+    """Create a node in its own context, and destroy both at the end."""
     context = Context()
     rclpy.init(context=context)
     node = rclpy.create_node(name, context=context, namespace='/made_up')
@@ -30,13 +30,13 @@ def made_node(name):
 
 @pytest.fixture
 def node():
-    """Return a node, in a context of its own."""
-    with made_node('patient') as node:
+    """Return a node in its own context."""
+    with create_node('patient') as node:
         yield node
 
 
 def results(node, publishers, subscribers):
-    """Return what is found when so many of both are known."""
+    """Return the results by check, after discovery of these numbers of endpoints."""
     def known(endpoints):
         return sum(info.node_name in ('patient', 'other') for info in endpoints)
 
@@ -47,23 +47,23 @@ def results(node, publishers, subscribers):
 
 
 def test_no_driver(node):
-    """It is reported."""
+    """The command starts a driver on the port."""
     result = results(node, 0, 0)['driver']
     assert 'no driver runs' in result.message
     assert result.command.endswith('port:=/dev/ttyUSB7')
 
 
-def test_a_subscriber_that_fits(node):
+def test_a_compatible_subscriber(node):
     """No problem is reported."""
     node.create_publisher(Imu, 'imu/data', 100)
     node.create_subscription(Imu, 'imu/data', lambda message: None, 10)
     found = results(node, 1, 1)
-    assert found['driver'].message == 'publishes 1 topics'
+    assert found['driver'].message == 'other nodes publish 1 topics of a driver'
     assert found['subscribers'].level is Level.OK
 
 
-def test_a_subscriber_that_wants_more_than_is_offered(node):
-    """The command is the parameter of the driver that offers it."""
+def test_a_subscriber_with_incompatible_qos(node):
+    """The command sets the QoS parameter of the driver."""
     node.create_publisher(Imu, 'imu/data', 100)
     node.create_subscription(Imu, 'imu/data', lambda message: None, QoSProfile(
         depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL))
@@ -75,9 +75,9 @@ def test_a_subscriber_that_wants_more_than_is_offered(node):
 
 
 def test_a_subscriber_of_another_type(node):
-    """Both are named."""
+    """The message names the subscriber and its type."""
     node.create_publisher(Imu, 'imu/data', 100)
-    with made_node('other') as other:       # in one context the middleware would not have it
+    with create_node('other') as other:       # one context cannot have both types
         other.create_subscription(FluidPressure, 'imu/data', lambda message: None, 10)
         result = results(node, 1, 1)['subscribers']
     assert result.level is Level.PROBLEM
@@ -85,16 +85,16 @@ def test_a_subscriber_of_another_type(node):
         in result.message
 
 
-def test_two_drivers(node):
-    """One of them needs a namespace."""
+def test_two_publishers_of_one_topic(node):
+    """It is a problem."""
     node.create_publisher(Imu, 'imu/data', 100)
     node.create_publisher(Imu, 'imu/data', 100)
     result = results(node, 2, 0)['publishers']
     assert result.level is Level.PROBLEM and 'both publish' in result.message
 
 
-def test_a_driver_elsewhere(node):
-    """Which is no reason to start another one."""
+def test_a_driver_in_another_namespace(node):
+    """The doctor does not suggest to start another driver."""
     with running('driver_node', '--ros-args', '-p', 'port:=/nowhere', '-r', '__ns:=/left',
                  '-r', '__node:=front'):
         assert wait_for(lambda: '/left/front' in find_drivers(node), 60)
@@ -113,8 +113,8 @@ def test_a_driver_elsewhere(node):
         assert driver.command == 'bahrs monitor --node /left/front'
 
 
-def test_two_drivers_of_one_name(node):
-    """Their diagnostics would be mixed."""
+def test_two_drivers_with_one_name(node):
+    """Their diagnostics cannot be distinguished."""
     with contextlib.ExitStack() as stack:
         for _ in range(2):
             stack.enter_context(running('driver_node', '--ros-args', '-p', 'port:=/nowhere',

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what the doctor hears on a port."""
+"""Tests of the detection of a device on a port."""
 
 from bahrs_driver.doctor import listening
 from bahrs_driver.doctor.check_result import Level
@@ -11,31 +11,31 @@ from support.devices import Device
 from support.processes import running, wait_for
 
 
-def test_a_device_that_speaks():
-    """Version and rate are reported; nothing is written to the port."""
+def test_a_streaming_device():
+    """The result has protocol version and baud rate."""
     with PtyPort() as cable, Device(cable):
         found = list(check(cable.path, 115200, seconds=30.0))
     assert [result.level for result in found] == [Level.OK]
     assert 'a BAHRS of protocol version 3 sends at 115200 baud' in found[0].message
 
 
-def test_silence():
-    """The message names what to check."""
+def test_a_silent_port():
+    """It is a problem."""
     with PtyPort() as cable:
         found = list(check(cable.path, 115200, seconds=0.2))
     assert [result.level for result in found] == [Level.PROBLEM]
     assert 'nothing arrives' in found[0].message
 
 
-def test_no_port():
-    """The message has the reason of the link."""
+def test_a_missing_port():
+    """The message has the error of the link."""
     (result,) = check('/dev/does_not_exist', 115200)
     assert result.level is Level.PROBLEM and 'does not exist' in result.message
 
 
 @pytest.fixture
 def probed(monkeypatch):
-    """Return a list of the rates listened at; frames come only at the rate that is set."""
+    """Fake the probes: frames arrive only at the rate sends_at. Return the probed rates."""
     rates = []
 
     def probe(port, rate, seconds, ask):
@@ -52,8 +52,8 @@ def probed(monkeypatch):
     return probed
 
 
-def test_another_rate(probed):
-    """It is found, and the command has it."""
+def test_another_baud_rate(probed):
+    """It is detected, and the command sets it."""
     probed.sends_at = 57600
     wrong, right = check('/dev/ttyUSB0', 115200)
     assert wrong.level is Level.PROBLEM and wrong.command.endswith('-p baud_rate:=57600')
@@ -61,14 +61,14 @@ def test_another_rate(probed):
 
 
 def test_another_device(probed):
-    """All rates are tried, each once."""
+    """All rates are tried once."""
     (result,) = check('/dev/ttyUSB0', 115200)
     assert result.level is Level.PROBLEM and 'no frame of a BAHRS' in result.message
     assert sorted(probed()) == sorted(listening.BAUD_RATES)
 
 
-def test_a_device_that_answers(tmp_path):
-    """A Titan-M must be asked, and is asked only with the option."""
+def test_a_device_that_only_answers(tmp_path):
+    """Requests are sent only with the option."""
     port = str(tmp_path / 'port')
     with running('bahrs', 'emulate', '--sensor', 'titan_m', '--link', port) as emulator:
         assert wait_for(lambda: emulator.lines, 60)
@@ -78,13 +78,13 @@ def test_a_device_that_answers(tmp_path):
     assert found.level is Level.OK and 'a Titan-M answers at 115200 baud' in found.message
 
 
-def test_what_was_heard_is_returned(probed):
-    """For the commands that follow."""
+def test_the_probe_is_returned(probed):
+    """Later commands need it."""
     probed.sends_at = 57600
     found = []
 
-    def note():
+    def collect():
         found.append((yield from check('/dev/ttyUSB0', 115200)))
 
-    assert len(list(note())) == 2
+    assert len(list(collect())) == 2
     assert (found[0].sensor, found[0].baud_rate) == ('bahrs', 57600)

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what the doctor finds in the variables of ROS."""
+"""Tests of the checks of the ROS environment."""
 
 from pathlib import Path
 
@@ -23,23 +23,23 @@ def prefix(tmp_path):
 
 
 def found(prefix, has_rclpy=True, **variables):
-    """Return what is found, by what was looked at."""
+    """Return the results by check."""
     environment = {'AMENT_PREFIX_PATH': str(prefix), 'ROS_DISTRO': 'jazzy', **variables}
     return {result.check: result for result in check(environment, has_rclpy, NOWHERE)}
 
 
-def test_as_it_should_be(prefix):
+def test_a_correct_environment(prefix):
     """No problem is reported."""
     results = found(prefix, ROS_DOMAIN_ID='7', ROS_LOG_DIR='/tmp',
                     RMW_IMPLEMENTATION='rmw_fastrtps_cpp')
     assert {result.level for result in results.values()} == {Level.OK}
     assert set(results) == {'ROS', 'package', 'middleware', 'domain', 'discovery',
                             'log files'}
-    assert found(prefix)['middleware'].message == 'is the default (there is rmw_fastrtps_cpp)'
+    assert found(prefix)['middleware'].message == 'is the default (installed: rmw_fastrtps_cpp)'
 
 
-def test_not_sourced(prefix):
-    """Nothing else is looked at then."""
+def test_ros_is_not_sourced(prefix):
+    """It is the only result."""
     results = found(prefix, has_rclpy=False)
     assert results['ROS'].command == 'source /opt/ros/jazzy/setup.bash'
     assert len(results) == 1
@@ -60,21 +60,21 @@ def test_not_sourced(prefix):
     ('discovery', Level.PROBLEM, 'unset ROS_AUTOMATIC_DISCOVERY_RANGE',
      {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'HERE'}),
 ])
-def test_what_is_wrong(prefix, check, level, command, variables):
-    """With the command that mends it."""
+def test_problems(prefix, check, level, command, variables):
+    """Each has the command that corrects it."""
     result = found(prefix, **variables)[check]
     assert (result.level, result.command) == (level, command)
 
 
-def test_what_is_out_of_use(prefix):
-    """Advice only, beside the rest."""
+def test_a_deprecated_variable(prefix):
+    """The result is advice."""
     environment = {'AMENT_PREFIX_PATH': str(prefix), 'ROS_LOCALHOST_ONLY': '1'}
     results = list(check(environment, True, NOWHERE))
     assert 'unset ROS_LOCALHOST_ONLY' in [result.command for result in results]
 
 
 def test_ros_from_python_packages():
-    """There is no prefix to look at, and nothing to source."""
+    """There is no prefix to check, and nothing to source."""
     results = {result.check: result for result in check({}, True, NOWHERE)}
     assert results['ROS'].level is Level.OK and '/nowhere' in results['ROS'].message
     assert 'package' not in results

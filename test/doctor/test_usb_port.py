@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what the doctor finds at a port, on machines that are made up file by file."""
+"""Tests of the checks of a port, on machines that are simulated by files."""
 
 import os
 
@@ -13,11 +13,11 @@ RULE = '/somewhere/99-bahrs.rules'
 OWN_GID = os.getegid()
 
 
-class MadeUp:
-    """A machine with one adapter and one user, as it should be."""
+class SimulatedMachine:
+    """A machine without problems, with one adapter and one user."""
 
     def __init__(self, root):
-        """Put the files below a folder."""
+        """Create the files in a folder."""
         self.root, self.groups, self.members = root, {OWN_GID}, set()
         self.write('dev/ttyUSB0', '').chmod(0o660)
         self.link('dev/serial/by-id/usb-FTDI_FT232R_A1-if00-port0', '../../ttyUSB0')
@@ -27,162 +27,162 @@ class MadeUp:
         self.write('proc/1/comm', 'systemd')
 
     def write(self, name, text):
-        """Make a file."""
+        """Write a file."""
         path = self.root / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
         return path
 
     def link(self, name, target):
-        """Make a symbolic link."""
+        """Create a symbolic link."""
         path = self.root / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.symlink_to(target)
 
     def runs(self, pid, name, *words, device=None):
-        """Make a process."""
+        """Create a process."""
         self.write(f'proc/{pid}/comm', name)
         self.write(f'proc/{pid}/cmdline', '\0'.join([name, *words]) + '\0')
         if device:
             self.link(f'proc/{pid}/fd/7', device)
 
     def machine(self):
-        """Return it."""
+        """Return the machine."""
         machine = Machine(self.root, User('pilot', 4711, frozenset(self.groups)))
         machine.is_member = lambda gid: gid in self.members
         machine.group_name = lambda gid: 'dialout'
         return machine
 
     def results(self, port='/dev/serial/by-id/usb-FTDI_FT232R_A1-if00-port0'):
-        """Return what is found at a port, by what was looked at."""
+        """Return the results for a port by check."""
         machine = self.machine()
         return {result.check: result for result in (*check_port(machine, port, RULE),
                                                     *check_name(machine, port, RULE))}
 
 
 @pytest.fixture
-def made_up(tmp_path):
-    """Return a machine that is as it should be."""
-    return MadeUp(tmp_path)
+def machine(tmp_path):
+    """Return a machine without problems."""
+    return SimulatedMachine(tmp_path)
 
 
-def test_a_machine_as_it_should_be(made_up):
+def test_a_machine_without_problems(machine):
     """No problem is reported."""
-    found = made_up.results()
+    found = machine.results()
     assert set(found) == {'port', 'access', 'in use', 'ModemManager', 'latency timer', 'name'}
     assert {result.level for result in found.values()} == {Level.OK}
     assert not any(result.command for result in found.values())
-    assert candidates(made_up.machine()) == ['/dev/serial/by-id/usb-FTDI_FT232R_A1-if00-port0']
+    assert candidates(machine.machine()) == ['/dev/serial/by-id/usb-FTDI_FT232R_A1-if00-port0']
 
 
-def test_another_port(made_up):
-    """The one that there is, is named."""
-    found = made_up.results('/dev/ttyUSB7')
+def test_a_missing_port_with_another_adapter(machine):
+    """The message names the existing port."""
+    found = machine.results('/dev/ttyUSB7')
     assert set(found) == {'port'} and found['port'].level is Level.PROBLEM
     assert found['port'].command == \
         'bahrs doctor --port /dev/serial/by-id/usb-FTDI_FT232R_A1-if00-port0'
 
 
-def without_port(made_up):
-    """Return what is found when the adapter has no port."""
-    (made_up.root / 'dev/ttyUSB0').unlink()
-    return made_up.results('/dev/ttyUSB0')['port']
+def without_port(machine):
+    """Return the result for an adapter without a port."""
+    (machine.root / 'dev/ttyUSB0').unlink()
+    return machine.results('/dev/ttyUSB0')['port']
 
 
-def test_no_adapter(made_up):
-    """It is not on USB at all."""
-    (made_up.root / 'sys/bus/usb/devices/1-2/idVendor').write_text('1d6b')
-    assert without_port(made_up).command == 'sudo dmesg --follow'
+def test_no_adapter_on_usb(machine):
+    """The command shows the messages of the kernel."""
+    (machine.root / 'sys/bus/usb/devices/1-2/idVendor').write_text('1d6b')
+    assert without_port(machine).command == 'sudo dmesg --follow'
 
 
-def test_an_adapter_without_its_module(made_up):
-    """It is on USB, but no port was made of it."""
-    assert without_port(made_up).command == 'sudo modprobe ftdi_sio'
+def test_an_adapter_without_its_kernel_module(machine):
+    """It is on USB, but has no port."""
+    assert without_port(machine).command == 'sudo modprobe ftdi_sio'
 
 
-def test_an_adapter_that_brltty_took(made_up):
-    """As it does on desktops."""
-    made_up.write('usr/lib/udev/rules.d/85-brltty.rules', '')
-    assert without_port(made_up).command == 'sudo apt remove brltty'
+def test_an_adapter_taken_by_brltty(machine):
+    """Desktop installations have brltty."""
+    machine.write('usr/lib/udev/rules.d/85-brltty.rules', '')
+    assert without_port(machine).command == 'sudo apt remove brltty'
 
 
-def test_a_user_who_is_not_in_the_group(made_up):
-    """The group to join is named."""
-    made_up.groups = {1}
-    result = made_up.results()['access']
+def test_a_user_who_is_not_in_the_group(machine):
+    """The command adds the user to the group."""
+    machine.groups = {1}
+    result = machine.results()['access']
     assert result.level is Level.PROBLEM
     assert result.command == 'sudo usermod -aG dialout pilot'
 
 
-def test_a_user_who_has_not_logged_in_again(made_up):
-    """Is in the group by the files, but not in this session."""
-    made_up.groups, made_up.members = {1}, {OWN_GID}
-    assert made_up.results()['access'].command == 'newgrp dialout'
+def test_a_user_who_must_log_in_again(machine):
+    """The user is in the group, but not in this session."""
+    machine.groups, machine.members = {1}, {OWN_GID}
+    assert machine.results()['access'].command == 'newgrp dialout'
 
 
-def test_a_port_of_nobody(made_up):
-    """No group may use it."""
-    (made_up.root / 'dev/ttyUSB0').chmod(0o600)
-    result = made_up.results('/dev/ttyUSB0')['access']
+def test_a_port_without_a_group(machine):
+    """Only root may use it."""
+    (machine.root / 'dev/ttyUSB0').chmod(0o600)
+    result = machine.results('/dev/ttyUSB0')['access']
     assert result.level is Level.PROBLEM
     assert result.command == 'sudo chgrp dialout /dev/ttyUSB0 && sudo chmod 660 /dev/ttyUSB0'
 
 
-def test_a_port_in_use(made_up):
-    """Process and name are reported."""
-    made_up.runs(812, 'minicom', device='/dev/ttyUSB0')
-    result = made_up.results()['in use']
+def test_a_port_in_use(machine):
+    """The message names the process."""
+    machine.runs(812, 'minicom', device='/dev/ttyUSB0')
+    result = machine.results()['in use']
     assert result.level is Level.PROBLEM and result.command == 'kill 812'
     assert 'minicom, process 812' in result.message
 
 
-def test_a_port_that_the_driver_has(made_up):
-    """That is as it should be, also where Python runs it under its own name."""
-    made_up.runs(813, 'python3', '/opt/bin/driver_node', '--ros-args', device='/dev/ttyUSB0')
-    result = made_up.results()['in use']
+def test_a_port_in_use_by_the_driver(machine):
+    """It is no problem, even if the process has the name of Python."""
+    machine.runs(813, 'python3', '/opt/bin/driver_node', '--ros-args', device='/dev/ttyUSB0')
+    result = machine.results()['in use']
     assert result.level is Level.OK and 'driver_node, process 813' in result.message
 
 
-def test_modem_manager(made_up):
-    """It runs, and no udev rule excludes the port."""
-    made_up.runs(600, 'ModemManager')
-    result = made_up.results()['ModemManager']
+def test_modem_manager(machine):
+    """It is a problem if no udev rule excludes the port."""
+    machine.runs(600, 'ModemManager')
+    result = machine.results()['ModemManager']
     assert result.level is Level.PROBLEM and result.command == install_rule(RULE)
-    made_up.runs(600, 'ModemManager', device='/dev/ttyUSB0')
-    assert made_up.results()['in use'].command == 'sudo systemctl stop ModemManager'
+    machine.runs(600, 'ModemManager', device='/dev/ttyUSB0')
+    assert machine.results()['in use'].command == 'sudo systemctl stop ModemManager'
 
 
-def test_modem_manager_that_was_told(made_up):
-    """The udev rule is in force."""
-    made_up.runs(600, 'ModemManager')
-    made_up.write('run/udev/data/c188:0', 'S:bahrs_A1\nE:ID_MM_DEVICE_IGNORE=1\n')
-    assert made_up.results()['ModemManager'].level is Level.OK
+def test_modem_manager_with_the_udev_rule(machine):
+    """The rule makes it ignore the port."""
+    machine.runs(600, 'ModemManager')
+    machine.write('run/udev/data/c188:0', 'S:bahrs_A1\nE:ID_MM_DEVICE_IGNORE=1\n')
+    assert machine.results()['ModemManager'].level is Level.OK
 
 
-def test_a_slow_latency_timer(made_up):
-    """It costs latency and breaks nothing."""
-    made_up.write('sys/bus/usb-serial/devices/ttyUSB0/latency_timer', '16\n')
-    result = made_up.results()['latency timer']
+def test_a_slow_latency_timer(machine):
+    """The result is advice."""
+    machine.write('sys/bus/usb-serial/devices/ttyUSB0/latency_timer', '16\n')
+    result = machine.results()['latency timer']
     assert result.level is Level.ADVICE and 'is 16 ms' in result.message
     assert result.command == \
         'echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer'
 
 
-def test_an_adapter_without_a_latency_timer(made_up):
-    """Nothing is reported."""
-    (made_up.root / 'sys/bus/usb-serial/devices/ttyUSB0/latency_timer').unlink()
-    assert 'latency timer' not in made_up.results()
+def test_an_adapter_without_a_latency_timer(machine):
+    """There is no result."""
+    (machine.root / 'sys/bus/usb-serial/devices/ttyUSB0/latency_timer').unlink()
+    assert 'latency timer' not in machine.results()
 
 
-def test_a_name_that_may_change(made_up):
-    """The one that does not is named."""
-    result = made_up.results('/dev/ttyUSB0')['name']
+def test_a_name_that_may_change(machine):
+    """The message names the stable one."""
+    result = machine.results('/dev/ttyUSB0')['name']
     assert result.level is Level.ADVICE
     assert result.command.endswith('port:=/dev/serial/by-id/usb-FTDI_FT232R_A1-if00-port0')
 
 
-def test_an_adapter_without_a_stable_name(made_up):
-    """The udev rule gives it one."""
-    (made_up.root / 'dev/serial/by-id/usb-FTDI_FT232R_A1-if00-port0').unlink()
-    assert made_up.results('/dev/ttyUSB0')['name'].command == install_rule(RULE)
-    assert candidates(made_up.machine()) == ['/dev/ttyUSB0']
+def test_an_adapter_without_a_stable_name(machine):
+    """The command installs the udev rule."""
+    (machine.root / 'dev/serial/by-id/usb-FTDI_FT232R_A1-if00-port0').unlink()
+    assert machine.results('/dev/ttyUSB0')['name'].command == install_rule(RULE)
+    assert candidates(machine.machine()) == ['/dev/ttyUSB0']

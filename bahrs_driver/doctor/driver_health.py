@@ -1,13 +1,13 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Check the diagnostics of running drivers: one that has the port knows why no data arrives."""
+"""Check the diagnostics of running drivers: a driver with an open port knows its problems."""
 
 from collections.abc import Iterator, Sequence
 import shlex
 import time
 
 from bahrs_driver.diagnostics.names import parse_status_name
-from bahrs_driver.doctor.check_result import advice, CheckResult, good, problem
+from bahrs_driver.doctor.check_result import advice, CheckResult, ok, problem
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -19,8 +19,8 @@ TIMEOUT = 3.0              # s; a driver reports once a second
 _PROFILE = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
-class Reports:
-    """Collects the statuses of some drivers, given by their fully qualified names."""
+class DriverStatuses:
+    """The latest statuses of some drivers, given by their fully qualified names."""
 
     def __init__(self, drivers: Sequence[str]) -> None:
         self._drivers = drivers
@@ -32,10 +32,10 @@ class Reports:
         return len(self._statuses) == len(self._drivers)
 
     def add(self, data: bytes) -> None:
-        """Keep the statuses in a serialised message."""
+        """Add the statuses of a serialised message."""
         try:
             array = deserialize_message(data, DiagnosticArray)
-        except Exception:       # rmw and rosidl raise many kinds for malformed bytes
+        except Exception:       # malformed bytes raise exceptions of many kinds
             return
         for status in array.status:
             driver, task = parse_status_name(status.name)
@@ -54,19 +54,19 @@ class Reports:
             if not statuses:
                 yield advice('health', f'{driver} reports nothing on {DIAGNOSTICS}', command)
             elif not errors:
-                yield good('health', f'{driver} reports no error')
+                yield ok('health', f'{driver} reports no error')
 
 
 def check(node: Node, drivers: Sequence[str], timeout: float = TIMEOUT) -> Iterator[CheckResult]:
     """Wait until all drivers have reported, at most timeout seconds, and yield their errors."""
-    reports = Reports(drivers)
+    statuses = DriverStatuses(drivers)
     subscription = node.create_subscription(
-        DiagnosticArray, DIAGNOSTICS, reports.add, _PROFILE, raw=True)
+        DiagnosticArray, DIAGNOSTICS, statuses.add, _PROFILE, raw=True)
     executor = SingleThreadedExecutor(context=node.context)
     executor.add_node(node)
     end = time.monotonic() + timeout
-    while not reports.complete and (left := end - time.monotonic()) > 0:
+    while not statuses.complete and (left := end - time.monotonic()) > 0:
         executor.spin_once(timeout_sec=left)
     executor.remove_node(node)
     node.destroy_subscription(subscription)
-    yield from reports.results()
+    yield from statuses.results()
