@@ -12,8 +12,9 @@ import time
 from bahrs_driver.cli.node_options import add_node_options, selected_node, several_nodes
 from bahrs_driver.cli.ros_session import ros_session
 from bahrs_driver.errors import CommandError
+from bahrs_driver.monitor.hints import no_driver_hint
 from bahrs_driver.monitor.page import Page
-from bahrs_driver.monitor.tables import no_driver_hint, tables, to_json
+from bahrs_driver.monitor.tables import tables, to_json
 from bahrs_driver.monitor.watch import Watch
 from bahrs_driver.ros.start_errors import start_errors
 from diagnostic_msgs.msg import DiagnosticStatus

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Keep the diagnostics of one driver, of all that are published.
+Keep the diagnostics of one driver.
 
-Any node may publish any status. So texts are made printable and cut, and the numbers of tasks and
-values are limited.
+Any node may publish any status on /diagnostics. So texts are made printable and truncated, and the
+numbers of tasks and values are limited.
 """
 
 from collections import deque
@@ -14,21 +14,25 @@ import math
 import time
 from typing import NamedTuple
 
+from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.names import parse_status_name
+from bahrs_driver.diagnostics.publishing_task import PublishingTask
+from bahrs_driver.diagnostics.rates_task import RatesTask
+from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.process.printable import printable
 from bahrs_driver.ros.node_names import NodeChoice, split_name, USUAL_NAME
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 # Tasks of every driver: a node of another name that has all of them is a driver.
-COMMON_TASKS = frozenset(('Framing', 'Time', 'Rates', 'Publishing'))
+COMMON_TASKS = {task.name for task in (FramingTask, TimeTask, RatesTask, PublishingTask)}
 MAX_EVENTS = 50
 MAX_TASKS = 16
 MAX_VALUES = 64
 MAX_NAME_LENGTH = 60           # characters
 
 
-class ShownStatus(NamedTuple):
-    """The status of one task in printable texts."""
+class TaskStatus(NamedTuple):
+    """The status of a diagnostic task; its texts are printable."""
 
     level: bytes
     message: str
@@ -36,12 +40,13 @@ class ShownStatus(NamedTuple):
 
 
 class DriverHealth:
-    """Keeps the statuses of the chosen driver; offers the choice all drivers that report."""
+    """Keeps the statuses of the chosen driver, and offers all drivers to the choice."""
 
     def __init__(self, choice: NodeChoice) -> None:
         self.choice = choice
-        self.tasks: dict[str, ShownStatus] = {}
-        self.events: deque[tuple[float, str, ShownStatus]] = deque(maxlen=MAX_EVENTS)
+        self.tasks: dict[str, TaskStatus] = {}
+        # System time, task and new status of each change of level, the latest first.
+        self.events: deque[tuple[float, str, TaskStatus]] = deque(maxlen=MAX_EVENTS)
         self.shared_name = False            # two drivers have the chosen name
         self._updated_at = -math.inf
         self._hardware_ids: list[str] = []  # the latest last
@@ -52,7 +57,7 @@ class DriverHealth:
         return time.monotonic() - self._updated_at
 
     def update(self, array: DiagnosticArray) -> None:
-        """Keep the statuses of the driver in a message."""
+        """Keep the statuses of the chosen driver in a message."""
         nodes: dict[str, dict[str, DiagnosticStatus]] = {}
         for status in array.status:
             node, task = parse_status_name(status.name)
@@ -68,13 +73,13 @@ class DriverHealth:
         self._check_hardware(printable(status.hardware_id))
         if task not in self.tasks and len(self.tasks) >= MAX_TASKS:
             return
-        before, shown = self.tasks.get(task), _shown(status)
-        if before is not None and before.level != shown.level:
-            self.events.appendleft((time.time(), task, shown))
-        self.tasks[task] = shown
+        before, after = self.tasks.get(task), _task_status(status)
+        if before is not None and before.level != after.level:
+            self.events.appendleft((time.time(), task, after))
+        self.tasks[task] = after
 
     def _check_hardware(self, hardware_id: str) -> None:
-        # A driver keeps its id; one that was restarted may have another, but not the old one.
+        # A restart may change the id of a driver, but the id before does not return.
         if hardware_id not in self._hardware_ids:
             self._hardware_ids = [*self._hardware_ids[-1:], hardware_id]
         elif hardware_id != self._hardware_ids[-1]:
@@ -85,7 +90,7 @@ def _is_driver(node: str, tasks: Mapping[str, DiagnosticStatus]) -> bool:
     return split_name(node)[0] == USUAL_NAME or tasks.keys() >= COMMON_TASKS
 
 
-def _shown(status: DiagnosticStatus) -> ShownStatus:
-    return ShownStatus(status.level, printable(status.message), {
+def _task_status(status: DiagnosticStatus) -> TaskStatus:
+    return TaskStatus(status.level, printable(status.message), {
         printable(item.key, MAX_NAME_LENGTH): printable(item.value)
         for item in islice(status.values, MAX_VALUES)})

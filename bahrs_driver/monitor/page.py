@@ -5,12 +5,12 @@
 from itertools import groupby, islice
 import math
 import time
+from typing import NamedTuple
 
+from bahrs_driver.monitor.hints import no_driver_hint, no_topics_hint, shared_name_hint
 from bahrs_driver.monitor.horizon import heading_tape, horizon, no_horizon
-from bahrs_driver.monitor.tables import (
-    has_topics, level_word, no_driver_hint, no_topics_hint, shared_name_hint,
-)
-from bahrs_driver.monitor.values import number
+from bahrs_driver.monitor.tables import level_word
+from bahrs_driver.monitor.values import number_text
 from bahrs_driver.monitor.watch import DATA_TIMEOUT, DRIVER_TIMEOUT, Watch
 from bahrs_driver.process.printable import printable
 from bahrs_driver.ros.node_names import full_name, ROOT, USUAL_NAME
@@ -23,14 +23,22 @@ from rich.text import Text
 MIN_SIZE = 60, 16           # characters
 _MARKS = {DiagnosticStatus.OK: '✓', DiagnosticStatus.WARN: '!', DiagnosticStatus.ERROR: '✗',
           DiagnosticStatus.STALE: '?'}
-MAX_TASKS = 8              # that fit a page
+MAX_SHOWN_TASKS = 8         # that fit on the page
 MAX_SIGNALS = 64
 MAX_INTEGRITY_LINES = 4
-MAX_SIGNAL_LENGTH = 24         # characters
+MAX_SIGNAL_LENGTH = 24      # characters
 _GAP = '   '
-_GOOD = 'green'             # style of a driver without a problem
 _COMPONENTS = ('_x', '_y', '_z')
 _ASCII = str.maketrans('✓✗░▄▀─·━╋ω°µ', '+x#_"--=+w*u')
+
+
+class _Summary(NamedTuple):
+    """The state of driver and device, in the title."""
+
+    word: str
+    text: str
+    colour: str = 'red'         # of the word
+    text_colour: str = 'red'
 
 
 class Page:
@@ -51,73 +59,74 @@ class Page:
                 if options.ascii_only else segment
 
     def _layout(self, width: int, height: int) -> Layout:
-        tasks, topics = self._tasks(), self._topics()
-        integrity = self._integrity(width)
-        below = 1 + len(integrity) + 1 + max(1, tasks.row_count)
-        above = min(max(height - 1 - below, 6), max(topics.row_count + 1, height // 2))
-        left = min(31, width * 2 // 5) if width < 110 else min(2 * above + 3, width * 2 // 5)
-        left -= 1 - left % 2
-        middle, page, body = Layout(name='middle', size=above), Layout(), []
-        middle.split_row(Layout(self._attitude(left, above), size=left),
-                         Layout(Text(' '), size=2), Layout(topics))
-        body = [Layout(self._title(width), size=1), middle,
-                Layout(Text('─' * width, 'dim'), size=1),
-                Layout(Text('\n').join(integrity), size=len(integrity)),
-                Layout(Text('─' * width, 'dim'), size=1),
-                Layout(tasks, size=max(1, tasks.row_count))]
-        body.append(Layout(self._events()))
-        page.split_column(*body)
+        tasks, topics, integrity = self._tasks(), self._topics(), self._integrity(width)
+        task_rows = max(1, tasks.row_count)
+        # Attitude and topics get the rows that title, integrity, tasks and two lines leave.
+        rows = min(max(height - 3 - len(integrity) - task_rows, 6),
+                   max(topics.row_count + 1, height // 2))
+        left = min(31, width * 2 // 5) if width < 110 else min(2 * rows + 3, width * 2 // 5)
+        left -= 1 - left % 2            # odd: the aircraft is in the middle
+        upper = Layout(size=rows)
+        upper.split_row(Layout(self._attitude(left, rows), size=left),
+                        Layout(Text(' '), size=2), Layout(topics))
+        line = Text('─' * width, 'dim')
+        page = Layout()
+        page.split_column(
+            Layout(self._title(width), size=1), upper, Layout(line, size=1),
+            Layout(Text('\n').join(integrity), size=len(integrity)), Layout(line, size=1),
+            Layout(tasks, size=task_rows), Layout(self._events()))
         return page
 
     def _title(self, width: int) -> Text:
-        word, style, sentence = self._state()
-        title = Text(f' {word} ', f'bold reverse {style}')
-        title.append(f' {sentence}', '' if style == _GOOD else style)
+        summary = self._summary()
+        title = Text(f' {summary.word} ', f'bold reverse {summary.colour}')
+        title.append(f' {summary.text}', summary.text_colour)
         clock = time.strftime('%H:%M:%S UTC', time.gmtime())
         title.truncate(width - len(clock) - 1, overflow='ellipsis', pad=True)
         return title.append(f' {clock}', 'bold')
 
-    def _state(self) -> tuple[str, str, str]:
-        """Return the overall state as a word, a colour and a sentence."""
+    def _summary(self) -> _Summary:
         watch = self._watch
         if not watch.driver_seen:
-            return 'NO DRIVER', 'red', no_driver_hint(watch)
+            return _Summary('NO DRIVER', no_driver_hint(watch))
         if watch.health.age > DRIVER_TIMEOUT and watch.data_age > DATA_TIMEOUT:
-            return 'DRIVER GONE', 'red', \
-                f'nothing received for {_seconds(watch)}: {no_driver_hint(watch)}'
+            return _Summary('DRIVER GONE', f'nothing received {_since_when(watch)}: '
+                                           f'{no_driver_hint(watch)}')
         if watch.health.shared_name:
-            return 'TWO DRIVERS', 'red', shared_name_hint(watch)
+            return _Summary('TWO DRIVERS', shared_name_hint(watch))
         if watch.data_age > DATA_TIMEOUT:
-            return 'NO DATA', 'red', self._why_no_data()
+            return _Summary('NO DATA', self._why_no_data())
         if watch.health.age > DRIVER_TIMEOUT:
-            return 'LIVE', _GOOD, 'no diagnostics are received'
+            return _Summary('LIVE', 'no diagnostics are received', 'green', '')
         worst = max(watch.health.tasks.values(), key=lambda status: status.level)
         if worst.level == DiagnosticStatus.OK:
-            return 'LIVE', _GOOD, self._device()
-        return *level_word(worst.level), worst.message
+            return _Summary('LIVE', self._device(), 'green', '')
+        word, colour = level_word(worst.level)
+        return _Summary(word, worst.message, colour, colour)
 
     def _why_no_data(self) -> str:
         link = self._watch.health.tasks.get('Link')
         if link and link.level != DiagnosticStatus.OK:
             return link.message
-        if not has_topics(self._watch):
+        if not self._watch.has_topics:
             return no_topics_hint(self._watch)
-        return f'the driver runs, but publishes no data for {_seconds(self._watch)}'
+        return f'the driver runs, but has published no data {_since_when(self._watch)}'
 
     def _device(self) -> str:
         tasks, driver = self._watch.health.tasks, self._watch.driver
         link, device = tasks.get('Link'), tasks.get('Device')
-        values = link.values if link else {}
-        version = device.values.get('Software version', '') if device else ''
-        return ', '.join(filter(None, (
-            driver if driver != full_name(USUAL_NAME, ROOT) else '',
-            f"{values.get('Port', '')} at {values.get('Baud rate', '')} baud" if link else '',
-            f"{values['Use of the line']} of the line in use"
-            if 'Use of the line' in values else '',
-            version)))
+        parts = [driver] if driver != full_name(USUAL_NAME, ROOT) else []
+        if link:
+            values = link.values
+            parts.append(f"{values.get('Port', '')} at {values.get('Baud rate', '')} baud")
+            if 'Use of the line' in values:
+                parts.append(f"{values['Use of the line']} of the line in use")
+        if device and device.values.get('Software version'):
+            parts.append(device.values['Software version'])
+        return ', '.join(parts)
 
     def _attitude(self, width: int, height: int) -> Text:
-        """Return heading tape, horizon and the figures of flight."""
+        """Return heading tape, horizon, and the values as text."""
         watch, angles = self._watch, self._watch.attitude()
         heading = watch.recent_message('heading')
         known = heading is not None and math.isfinite(heading.data)
@@ -125,19 +134,19 @@ class Page:
             Text('no heading'.center(width), 'red')
         picture = no_horizon(width, height - 4, 'no attitude') if angles is None else \
             horizon(angles.roll, angles.pitch, width, height - 4)
+        roll, pitch = [_signed(angle, '°') for angle in angles[:2]] if angles else ['-', '-']
+        heading_text = number_text(heading.data, '.1f', '°') if known else '-'
         return Text('\n').join([
             tape, picture,
-            _figures(width, ('roll', _signed(angles.roll, '°') if angles else '-'),
-                     ('pitch', _signed(angles.pitch, '°') if angles else '-')),
-            _figures(width, ('heading', number(heading.data, '.1f', '°') if known else '-'),
-                     ('climb', self._climb())),
-            _figures(width, ('height', self._height()))])
+            _named_values(width, ('roll', roll), ('pitch', pitch)),
+            _named_values(width, ('heading', heading_text), ('climb', self._climb())),
+            _named_values(width, ('height', self._height()))])
 
     def _height(self) -> str:
         for topic in ('pressure_altitude', 'fix'):
             message = self._watch.recent_message(topic)
             if message is not None:
-                return number(message.altitude, '.1f', ' m')
+                return number_text(message.altitude, '.1f', ' m')
         return '-'
 
     def _climb(self) -> str:
@@ -151,7 +160,7 @@ class Page:
         table = Table(box=None, pad_edge=False, show_edge=False, expand=True)
         table.add_column('Topic', no_wrap=True)
         table.add_column('Hz', no_wrap=True, justify='right', width=6)
-        table.add_column('Latest (SI)', no_wrap=True, ratio=1)
+        table.add_column('Latest (SI units)', no_wrap=True, ratio=1)
         for name, stats in self._watch.stats.items():
             if self._watch.is_published(name) or not self._watch.driver_seen:
                 rate = stats.rate()
@@ -164,15 +173,15 @@ class Page:
         """Return the lines with the integrity of each signal."""
         notice = self._watch.message('integrity')
         if notice is None:
-            without = self._watch.driver_seen and not self._watch.is_published('integrity')
-            text = 'this device reports no integrity' if without else 'no integrity received'
+            absent = self._watch.driver_seen and not self._watch.is_published('integrity')
+            text = 'this device reports no integrity' if absent else 'no integrity received'
             return [Text(text, 'dim')]
         stale = self._watch.data_age > DATA_TIMEOUT
         lines = [Text()]
         signals = islice(notice.status, MAX_SIGNALS)
-        for name, group in groupby(signals, key=lambda status: _quantity(status.name)):
+        for name, components in groupby(signals, key=lambda status: _quantity(status.name)):
             cell = Text(printable(name, MAX_SIGNAL_LENGTH), 'dim' if stale else '')
-            for status in group:
+            for status in components:
                 suffix = status.name[-1] if status.name.endswith(_COMPONENTS) else ''
                 style = 'dim' if stale else level_word(status.level)[1]
                 cell.append(f" {suffix}{_MARKS.get(status.level, '?')}", f'bold {style}')
@@ -189,12 +198,12 @@ class Page:
         table.add_column(no_wrap=True, width=5)
         table.add_column(no_wrap=True, ratio=1, overflow='ellipsis')
         gone = self._watch.health.age > DRIVER_TIMEOUT
-        for task, status in islice(self._watch.health.tasks.items(), MAX_TASKS):
+        for task, status in islice(self._watch.health.tasks.items(), MAX_SHOWN_TASKS):
             word, colour = level_word(status.level)
             table.add_row(Text(task), Text(word, '' if gone else colour), Text(status.message),
                           style='dim' if gone else '')
         if not self._watch.health.tasks:
-            table.add_row('no driver', '', 'no diagnostics received yet')
+            table.add_row('no tasks', '', 'no diagnostics received yet')
         return table
 
     def _events(self) -> Text:
@@ -209,7 +218,7 @@ class Page:
         return Text('\n', no_wrap=True, overflow='ellipsis').join([Text(' '), *lines])
 
 
-def _figures(width: int, *pairs: tuple[str, str]) -> Text:
+def _named_values(width: int, *pairs: tuple[str, str]) -> Text:
     cell = width // len(pairs)
     line = Text()
     for name, value in pairs:
@@ -219,15 +228,16 @@ def _figures(width: int, *pairs: tuple[str, str]) -> Text:
 
 
 def _signed(value: float, unit: str) -> str:
-    return number(round(value, 1) + 0.0, '+.1f', unit)          # never -0.0
+    return number_text(round(value, 1) + 0.0, '+.1f', unit)          # never -0.0
 
 
 def _quantity(signal: str) -> str:
+    """Return the name of a signal in words, without its component."""
     for suffix in _COMPONENTS:
         signal = signal.removesuffix(suffix)
     return signal.replace('_', ' ')
 
 
-def _seconds(watch: Watch) -> str:
+def _since_when(watch: Watch) -> str:
     age = min(watch.data_age, watch.health.age)
-    return f'{age:.0f} s' if math.isfinite(age) else 'as long as this monitor runs'
+    return f'for {age:.0f} s' if math.isfinite(age) else 'since the monitor started'

@@ -6,8 +6,8 @@ from collections import deque
 import math
 import time
 
-RATE_WINDOW = 2.0           # s over which a rate is measured
-MAX_ARRIVALS = 4096         # kept arrival times; a rate above 2 kHz is measured over less
+RATE_WINDOW = 2.0           # s
+MAX_ARRIVALS = 4096         # a rate above 2 kHz is measured over less than the window
 
 
 class TopicStats:
@@ -27,7 +27,7 @@ class TopicStats:
 
     @property
     def age(self) -> float:
-        """Seconds since the latest message, as long as it is in the window; else infinite."""
+        """Seconds since the latest message; infinite if it is not in the window any more."""
         return time.monotonic() - self._arrivals[-1] if self._arrivals else math.inf
 
     def rate(self) -> float:

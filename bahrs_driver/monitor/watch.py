@@ -3,8 +3,9 @@
 """
 Watch the topics of a driver.
 
-Messages are counted and kept as bytes; only those that are shown are deserialized, which takes
-little time of the host. Any node may publish there, so a message may be malformed.
+Messages are counted and kept as bytes. Only those that are shown are deserialized, so that the
+monitor needs little time of the host. Any node may publish on these topics, so a message may be
+malformed.
 """
 
 from functools import partial
@@ -26,15 +27,16 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 
-MAX_WAIT = 0.05             # s to wait for a message before the time is checked
+MAX_WAIT = 0.05             # s that one wait for a message takes
 DATA_TIMEOUT = 1.5          # s without data, after which it has stopped
 DRIVER_TIMEOUT = 3.5        # s without diagnostics, after which the driver is gone
 DIAGNOSTICS = '/diagnostics'
-MAX_FORCE = 1000.0          # m/s^2; a larger force does not show which way is up
+MAX_FORCE = 1000.0          # m/s^2; a larger force is an error
+LOW_PASS = 0.1              # weight of a new force
 
 # An observer must not block a publisher, and must receive from best-effort publishers, too.
-_PROFILE = QoSProfile(depth=200, reliability=ReliabilityPolicy.BEST_EFFORT)
-_LATCHED_PROFILE = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_QOS = QoSProfile(depth=200, reliability=ReliabilityPolicy.BEST_EFFORT)
+_LATCHED_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class Watch:
@@ -52,29 +54,26 @@ class Watch:
         self._subscriptions: list[Subscription] = []
         self._published: set[str] = set()         # topics that some node publishes
         self._data_at = -math.inf
-        self._upward = 0.0          # m/s^2, low-passed specific force along the world's z axis
+        self._vertical_force = 0.0          # m/s^2, low-passed, along the world's z axis
         self._executor = SingleThreadedExecutor(context=node.context)
         self._executor.add_node(node)
         self._subscribe_in(selection.namespace or ROOT)
         node.create_subscription(
-            DiagnosticArray, DIAGNOSTICS, self._update_health, _PROFILE, raw=True)
+            DiagnosticArray, DIAGNOSTICS, self._update_health, _QOS, raw=True)
 
     def spin(self, seconds: float) -> None:
-        """Receive messages for some seconds."""
+        """Receive messages for a time in seconds."""
         self._published = {topic for topic in self._topics if self._node.count_publishers(
             full_name(topic, self.namespace))}
         self._search.update(self._node, time.monotonic())
         end = time.monotonic() + seconds
         while time.monotonic() < end:
-            # Always the same timeout: with another one rclpy begins with the first topic again.
-            # On a busy host the last topics would never be served.
+            # Always the same timeout: if it changes, rclpy begins with the first topic again, and
+            # on a busy host never serves the last ones.
             self._executor.spin_once(timeout_sec=MAX_WAIT)
             if self.choice.chosen:
                 self._subscribe_in(split_name(self.choice.chosen)[1])
-        imu = self.message('imu/data')
-        upward = math.nan if imu is None else vertical_force(imu)
-        if abs(upward) < MAX_FORCE:
-            self._upward += 0.1 * (upward - self._upward)
+        self._observe_gravity()
 
     @property
     def driver(self) -> str:
@@ -99,7 +98,12 @@ class Watch:
     @property
     def z_down(self) -> bool:
         """Whether the driver publishes the device's own axes, with z downward."""
-        return self._upward < 0
+        return self._vertical_force < 0
+
+    @property
+    def has_topics(self) -> bool:
+        """Whether any topic of the driver is or was published."""
+        return any(self.is_published(topic) for topic in self._topics)
 
     def message(self, topic: str) -> Any:
         """Return the latest message of a topic; None if there is none, or it is malformed."""
@@ -110,7 +114,7 @@ class Watch:
         """Return the latest message of a topic as text; empty if there was none."""
         message = self.message(topic)
         if message is None:
-            return 'unreadable' if self.stats[topic].data else ''
+            return 'malformed message' if self.stats[topic].data else ''
         if topic == 'imu/data':
             return attitude_text(self._pitch_up(attitude(message)))
         return printable(self._formats.get(topic, str)(message))
@@ -121,16 +125,23 @@ class Watch:
         return self.message(topic) if stats and stats.age < DATA_TIMEOUT else None
 
     def is_published(self, topic: str) -> bool:
-        """Return whether a topic is published, or was."""
+        """Return whether a topic is or was published."""
         return bool(self.stats[topic].count) or topic in self._published
 
     def attitude(self) -> Attitude | None:
-        """Return the present attitude in degrees, roll right, pitch up; None if unknown."""
+        """Return the latest attitude, pitch positive upward; None if it is old or unknown."""
         imu = self.recent_message('imu/data')
         return None if imu is None else self._pitch_up(attitude(imu))
 
+    def _observe_gravity(self) -> None:
+        """Update the force that shows whether the published z axis points up or down."""
+        imu = self.message('imu/data')
+        force = math.nan if imu is None else vertical_force(imu)
+        if abs(force) < MAX_FORCE:
+            self._vertical_force += LOW_PASS * (force - self._vertical_force)
+
     def _pitch_up(self, angles: Attitude | None) -> Attitude | None:
-        """Return an attitude with positive pitch upward, whichever axes are published."""
+        """Convert an attitude to positive pitch upward, whichever axes are published."""
         if angles and not self.z_down:
             return angles._replace(pitch=-angles.pitch)
         return angles
@@ -146,12 +157,12 @@ class Watch:
         self._subscriptions = [
             self._node.create_subscription(
                 kind, full_name(topic, namespace), partial(self._count, topic),
-                _LATCHED_PROFILE if topic in self._latched else _PROFILE, raw=True)
+                _LATCHED_QOS if topic in self._latched else _QOS, raw=True)
             for topic, kind in self._topics.items()]
 
     def _count(self, topic: str, data: bytes) -> None:
         self.stats[topic].add(data)
-        if topic not in self._latched:      # a late subscriber receives an old message of those
+        if topic not in self._latched:      # a late subscriber receives old messages of these
             self._data_at = time.monotonic()
 
     def _update_health(self, data: bytes) -> None:

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the live page: a real terminal, a real driver."""
+"""Test the live page with a terminal and a driver."""
 
 import contextlib
 import fcntl
@@ -21,11 +21,11 @@ CONTROL = re.compile(r'\x1b\[[0-9;?]*[A-Za-z]')
 
 
 class Terminal:
-    """A command on a terminal of a given size, and what it has drawn."""
+    """A command on a terminal of a given size, and its output."""
 
     def __init__(self, size, *words):
-        """Start it."""
-        self._lines = b''
+        """Start the command."""
+        self._output = b''
         self._controller, screen = os.openpty()
         fcntl.ioctl(screen, termios.TIOCSWINSZ, struct.pack('4H', *size[::-1], 0, 0))
         environment = {**os.environ, 'TERM': 'xterm-256color', 'LANG': 'C.UTF-8'}
@@ -40,21 +40,21 @@ class Terminal:
     def _read(self):
         with contextlib.suppress(OSError):          # the writer has ended
             while data := os.read(self._controller, 65536):
-                self._lines += data
+                self._output += data
 
     @property
     def text(self):
-        """All that was drawn so far, without control sequences."""
-        return CONTROL.sub('', self._lines.decode(errors='replace'))
+        """Output so far, without control sequences."""
+        return CONTROL.sub('', self._output.decode(errors='replace'))
 
     @property
     def latest(self):
         """Latest page."""
-        pages = self._lines.decode(errors='replace').split('\x1b[H')
+        pages = self._output.decode(errors='replace').split('\x1b[H')
         return CONTROL.sub('', pages[-2] if len(pages) > 1 else '').replace('\r', '')
 
     def shows(self, words):
-        """Wait until the latest page has the words."""
+        """Wait until the latest page contains the words; return whether it does."""
         return wait_for(lambda: words in self.latest, TIMEOUT)
 
     def end(self):
@@ -68,7 +68,7 @@ class Terminal:
 
 @contextlib.contextmanager
 def terminal(*words, size=(80, 24)):
-    """Run a command of ours on a terminal, and end it at the end."""
+    """Run one of our commands on a terminal, and end it at the end of the block."""
     shown = Terminal(size, *words)
     try:
         yield shown
@@ -77,11 +77,11 @@ def terminal(*words, size=(80, 24)):
             shown.end()
 
 
-def test_data_shown_and_missed():
-    """Attitude, height and health live; then the page reports that data has stopped."""
+def test_live_data_and_its_loss():
+    """The page shows attitude, height and health, and later that data has stopped."""
     with PtyPort() as cable, terminal('bahrs', 'monitor') as page:
         assert page.shows('NO DRIVER'), page.text
-        assert 'Layout' not in page.latest          # what rich draws where there is nothing
+        assert 'Layout' not in page.latest          # the placeholder of rich
         with driver(cable.path):
             with Device(cable):
                 assert page.shows('All signals safe'), page.latest
@@ -95,12 +95,12 @@ def test_data_shown_and_missed():
             assert page.shows('no attitude'), page.latest
         assert page.shows('DRIVER GONE'), page.latest
         assert page.end() == 0
-        assert 'imu/data_raw' in page.text.rsplit('Topic', 1)[1]     # the table that stays
+        assert 'imu/data_raw' in page.text.rsplit('Topic', 1)[1]     # the table at the end
         assert 'Traceback' not in page.text
 
 
-def test_a_terminal_that_is_too_small():
-    """The page names a sufficient size."""
+def test_terminal_that_is_too_small():
+    """The page gives a sufficient size."""
     with terminal('bahrs', 'monitor', '--namespace', 'nobody', size=(40, 10)) as page:
         assert page.shows('80x24 is good'), page.text
         assert page.end() == 1

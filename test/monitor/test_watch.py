@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what the monitor keeps."""
+"""Test the statistics and the subscriptions of the monitor."""
 
 from bahrs_driver.monitor import topic_stats, watch
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -11,7 +11,7 @@ from sensor_msgs.msg import Imu
 from std_msgs.msg import Float64
 from support.waiting import wait_for
 
-BACKLOG = 100           # messages that wait on each topic
+BACKLOG = 100           # messages waiting on each topic
 
 
 @pytest.fixture
@@ -23,8 +23,8 @@ def node():
     rclpy.shutdown(context=context)
 
 
-def test_hours_without_a_look_take_no_memory(monkeypatch):
-    """Only arrivals of the window are kept, even if the rate is not read."""
+def test_memory_is_bounded(monkeypatch):
+    """Only arrivals of the window are kept, even if the rate is never read."""
     now = [0.0]
     monkeypatch.setattr(topic_stats.time, 'monotonic', lambda: now[0])
     stats = topic_stats.TopicStats()
@@ -36,8 +36,8 @@ def test_hours_without_a_look_take_no_memory(monkeypatch):
     assert abs(stats.rate() - 100.0) < 1e-6
 
 
-def test_two_messages_at_once_have_no_rate(monkeypatch):
-    """Rather than an infinite one."""
+def test_two_messages_at_the_same_time(monkeypatch):
+    """The rate is 0 rather than infinite."""
     monkeypatch.setattr(topic_stats.time, 'monotonic', lambda: 1.0)
     stats = topic_stats.TopicStats()
     stats.add(b'')
@@ -45,9 +45,9 @@ def test_two_messages_at_once_have_no_rate(monkeypatch):
     assert stats.rate() == 0.0
 
 
-def test_a_busy_host_serves_every_topic(node):
-    """While more waits than can be served, none of the topics is left out."""
-    look = watch.Watch(node)
+def test_every_topic_is_served_on_a_busy_host(node):
+    """If messages wait on several topics, none of the topics is left out."""
+    watched = watch.Watch(node)
     published = [('imu/data_raw', Imu()), ('heading', Float64()), ('/diagnostics', DiagnosticArray(
         status=[DiagnosticStatus(name='bahrs_driver: Link')]))]
     publishers = [(node.create_publisher(type(message), topic, BACKLOG), message)
@@ -57,5 +57,6 @@ def test_a_busy_host_serves_every_topic(node):
     for publisher, message in publishers:
         for _ in range(BACKLOG):
             publisher.publish(message)
-    assert wait_for(lambda: look.spin(0.001) or look.stats['imu/data_raw'].count >= BACKLOG / 2)
-    assert look.stats['heading'].count > BACKLOG / 5 and look.health.tasks
+    stats = watched.stats
+    assert wait_for(lambda: watched.spin(0.001) or stats['imu/data_raw'].count >= BACKLOG / 2)
+    assert stats['heading'].count > BACKLOG / 5 and watched.health.tasks

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the monitor with messages of anybody: nothing raises or commands a terminal."""
+"""Test the monitor with messages of other nodes: no exception, no control sequence."""
 
 import io
 import json
@@ -39,7 +39,7 @@ INTEGERS = {**{f'int{bits}': (-2 ** (bits - 1), 2 ** (bits - 1) - 1) for bits in
 
 
 def values(slot):
-    """Return a strategy for a field of a type as rosidl names it."""
+    """Return a strategy for a field of a rosidl type."""
     if slot in INTEGERS:
         return st.integers(*INTEGERS[slot])
     if slot == 'double':
@@ -61,7 +61,7 @@ def values(slot):
 
 
 def messages(kind):
-    """Return a strategy for messages of a type, with any values."""
+    """Return a strategy for messages of a type with arbitrary values."""
     return st.builds(kind, **{
         name: values(slot) for name, slot in kind.get_fields_and_field_types().items()})
 
@@ -78,15 +78,15 @@ def node():
 
 @pytest.fixture
 def watch(node):
-    """Return a watch that hears only what the test hands it."""
+    """Return a watch that receives only the messages of the test."""
     made = Watch(node, Selection('bahrs_driver', '/'))
     yield made
     for subscription in list(node.subscriptions):
         node.destroy_subscription(subscription)
 
 
-def shown(watch, renderable, size):
-    """Return what a terminal gets."""
+def rendered(renderable, size):
+    """Return the output on a terminal."""
     out = io.StringIO()
     width, height = size
     Console(file=out, width=width, height=height, force_terminal=True).print(renderable)
@@ -94,16 +94,16 @@ def shown(watch, renderable, size):
 
 
 def is_harmless(text):
-    """Return whether a text has no control characters but line ends and the colours of rich."""
+    """Return whether the only control characters are line ends and the colours of rich."""
     return re.sub(r'\x1b\[[0-9;]*m|\n', '', text).isprintable()
 
 
-def survives(watch):
-    """Show everything in every way."""
+def show_everywhere(watch):
+    """Draw the page, the tables and the JSON object."""
     watch.spin(0.0)
     for size in ((60, 16), (200, 60)):
-        assert is_harmless(shown(watch, Page(watch), size))
-    assert is_harmless(shown(watch, tables(watch), (80, 24)))
+        assert is_harmless(rendered(Page(watch), size))
+    assert is_harmless(rendered(tables(watch), (80, 24)))
     assert json.loads(json.dumps(to_json(watch), allow_nan=False))['heard']
 
 
@@ -111,52 +111,52 @@ def survives(watch):
 @settings(max_examples=25, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_any_message_of_a_topic(watch, topic, data):
-    """With any numbers, texts and lists."""
+    """Numbers, texts and lists are arbitrary."""
     watch._count(topic, serialize_message(data.draw(messages(TOPICS[topic]))))
-    survives(watch)
+    show_everywhere(watch)
 
 
 @settings(max_examples=40, suppress_health_check=list(HealthCheck))
 @given(arrays=st.lists(messages(DiagnosticArray), min_size=1, max_size=3))
 def test_any_diagnostics(watch, arrays):
-    """Of this driver and of others."""
+    """Statuses are of this driver and of other nodes."""
     watch._count('heading', serialize_message(TOPICS['heading']()))
     for array in arrays:
         watch._update_health(serialize_message(array))
-    survives(watch)
+    show_everywhere(watch)
     assert len(watch.health.tasks) <= 16
 
 
 @pytest.mark.parametrize('topic', [*TOPICS, DIAGNOSTICS])
 @settings(max_examples=20, suppress_health_check=list(HealthCheck))
 @given(data=st.binary(max_size=400))
-def test_bytes_that_are_no_message(watch, topic, data):
-    """As from a publisher whose type has only the same name."""
+def test_malformed_messages(watch, topic, data):
+    """The type of another publisher may only have the same name."""
     watch._count('heading', serialize_message(TOPICS['heading']()))
     if topic == DIAGNOSTICS:
         watch._update_health(data)
     else:
         watch._count(topic, data)
-    survives(watch)
+    show_everywhere(watch)
 
 
-def test_an_enormous_list(watch):
-    """It is shown as far as there is room."""
+def test_enormous_list(watch):
+    """It is truncated."""
     array = DiagnosticArray(status=[
         DiagnosticStatus(name=f'bahrs_driver: {index}', message='x' * 1000)
         for index in range(5000)])
     watch._update_health(serialize_message(array))
     watch._count('integrity', serialize_message(array))
-    survives(watch)
+    show_everywhere(watch)
     assert len(json.dumps(to_json(watch))) < 100_000
 
 
 @pytest.mark.parametrize('text, as_shown', [
     ('\x1bc 2.7', r'\x1bc 2.7'), ('[bold]x[/]', '[bold]x[/]'), ('[/nothing]', '[/nothing]')])
-def test_text_is_shown_unchanged(watch, text, as_shown):
-    """Neither as a command to the terminal, nor as markup."""
+def test_markup_and_control_characters(watch, text, as_shown):
+    """They are shown as text."""
     watch._update_health(serialize_message(DiagnosticArray(status=[
         DiagnosticStatus(name=f'bahrs_driver: {text}', message=text)])))
-    assert shown(watch, tables(watch), (80, 24)).count(as_shown) == 2
+    assert rendered(tables(watch), (80, 24)).count(as_shown) == 2
     watch._count('heading', serialize_message(TOPICS['heading']()))
-    assert as_shown in shown(watch, Page(watch), (80, 24))
+    assert as_shown in rendered(Page(watch), (80, 24))
