@@ -35,23 +35,23 @@ def test_stamp_is_the_read_minus_the_transmission_time(read_time, bytes_since, e
 
 
 def test_without_a_line_rate_the_stamp_is_the_read():
-    """As on native USB and networks."""
+    """Native USB and networks have no line rate."""
     assert arrivals(0, (5_000_000_000, 4096)) == [5_000_000_000]
 
 
 def test_stamps_increase_strictly():
-    """Even if two chunks arrive in quick succession, or frames have the same time."""
+    """Two chunks arrive in quick succession, or frames have the same time."""
     assert arrivals(100, (1000, 5), (1001, 9), (1001, 9), (5000, 0)) == [500, 501, 502, 5000]
 
 
-def test_a_host_clock_that_is_set_back_is_followed():
-    """If it was set by more than a second."""
+def test_stamps_follow_a_host_clock_that_was_set_back():
+    """The host's clock was set by more than a second."""
     times = [9_000_000_000, 7_000_000_000, 7_000_000_001]
     assert arrivals(0, *((time, 0) for time in times)) == times
 
 
-def test_a_step_of_the_host_clock_is_reported_and_followed_at_once():
-    """Even backward by half a second."""
+def test_stamps_follow_a_step_of_the_host_clock_and_it_is_reported():
+    """The clock was set back by half a second."""
     clock, stamps = ArrivalClock(), []
     for index, (raw, ros) in enumerate([(0, 9_000), (10, 9_010), (20, 8_520), (30, 8_530)]):
         clock.observe_read(Instant(raw * 1_000_000, ros * 1_000_000), index + 1)

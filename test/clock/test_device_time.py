@@ -15,8 +15,8 @@ START = 600_000_000
 @pytest.mark.parametrize('votes, expected', [
     ([], 'not seen yet'), ([1], 'next'), ([0], 'same'), ([1, 0, 1], 'next'), ([0, 1, 0], 'same'),
     ([7, -3], 'not seen yet'), ([0] * 9 + [1] * 5, 'next')])
-def test_label_by_votes(votes, expected):
-    """The majority of the latest nine."""
+def test_votes_decide_the_convention(votes, expected):
+    """The majority of the latest nine votes decides."""
     convention = TimeReferenceConvention()
     for vote in votes:
         convention.vote(vote)
@@ -24,21 +24,21 @@ def test_label_by_votes(votes, expected):
 
 
 def test_a_forced_convention_ignores_votes():
-    """The parameter decides."""
+    """The parameter forces it."""
     convention = TimeReferenceConvention('same')
     convention.vote(1)
     assert convention.ahead == 0 and convention.label == 'same'
 
 
 def test_timeline_before_and_after_its_anchor():
-    """At the nominal period until there is a slope."""
+    """Until there is a slope, the period is nominal."""
     line = Timeline(20, START, PERIOD)
     assert [line.time_of(count) for count in (0, 20, 21)] == [
         START - 20 * PERIOD, START, START + PERIOD]
 
 
 def test_timeline_takes_the_period_from_the_slope():
-    """Half a percent too long; the next message must fit it rather than the nominal period."""
+    """It is half a percent longer than nominal, and later messages must fit it."""
     line = Timeline(0, 0, PERIOD)
     for index in range(1, 4):
         assert line.agrees(20 * index, 100_500_000 * index)

@@ -27,8 +27,8 @@ def stamp(clock, requested_at, time, offset, size, offset_ros=ROS, expected=True
     return stamped - offset_ros
 
 
-def test_the_middle_of_request_and_answer_minus_transmission_times():
-    """Requested at 10 ms, received at 10.8; answer of 5 ms complete at 17.8, begun at 12.8."""
+def test_the_stamp_is_the_middle_of_request_and_answer():
+    """A request from 10 to 10.8 ms and an answer from 12.8 to 17.8 ms give 11.8 ms."""
     clock = begun()
     assert stamp(clock, 10 * MS, 17_800 * US, 0, 50) == 11_800 * US
     state = clock.state()
@@ -48,14 +48,14 @@ def test_a_line_that_is_faster_than_its_baud_rate():
     assert stamp(clock, 10 * MS, 11 * MS, 0, 50) == 10_500 * US
 
 
-def test_without_a_request_it_is_the_arrival():
-    """Minus the transmission time; such stamps are counted."""
+def test_without_a_request_the_stamp_is_the_arrival():
+    """The transmission time is subtracted, and such stamps are counted."""
     clock = begun()
     assert stamp(clock, None, 17 * MS, 0, 50) == 12 * MS
     assert clock.state().arrival_stamps == 1
 
 
-def test_an_unwanted_answer_does_not_delay_the_others():
+def test_an_unexpected_answer_does_not_delay_others():
     """A late answer has a later stamp than an answer requested before it arrived."""
     clock = begun()
     assert stamp(clock, None, 17 * MS, 0, 50, expected=False) == 12 * MS
@@ -64,15 +64,15 @@ def test_an_unwanted_answer_does_not_delay_the_others():
 
 
 def test_latency_is_subtracted_and_stamps_increase():
-    """Strictly, for any reads."""
+    """Stamps increase strictly for any reads."""
     clock = begun(latency=MS)
     first = stamp(clock, 10 * MS, 17_800 * US, 0, 50)
     assert first == 10_800 * US
     assert stamp(clock, 10 * MS, 17_800 * US, 50, 50) == first + 1
 
 
-def test_a_host_clock_that_is_set_is_reported_and_followed():
-    """Even backward."""
+def test_stamps_follow_a_step_of_the_host_clock_and_it_is_reported():
+    """The clock is set back."""
     clock = begun()
     stamp(clock, 10 * MS, 17_800 * US, 0, 50)
     assert stamp(clock, 110 * MS, 117_800 * US, 50, 50, ROS - 7 * S) == 111_800 * US

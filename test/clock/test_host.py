@@ -11,7 +11,7 @@ MS = 1_000_000
 
 
 def test_constant_offset():
-    """Even before the first read and after the last."""
+    """The offset also holds before the first read and after the last."""
     host = HostClocks()
     assert host.observe_read(Instant(0, ROS)) == 0
     assert host.observe_read(Instant(16 * MS, ROS + 16 * MS)) == 0
@@ -19,8 +19,8 @@ def test_constant_offset():
         ROS - 5, ROS + 3 * MS, ROS + 20 * MS]
 
 
-def test_a_slew_is_followed_straight_between_two_reads():
-    """At 500 ppm it is 8 us in 16 ms, and half of that in the middle."""
+def test_conversion_is_linear_between_two_reads_of_a_slewed_clock():
+    """A slew of 500 ppm is 8 us in 16 ms, and half of that in the middle."""
     host = HostClocks()
     host.observe_read(Instant(0, ROS))
     assert host.observe_read(Instant(16 * MS, ROS + 16 * MS + 8000)) == 0
@@ -35,8 +35,8 @@ def test_the_fastest_slew_is_no_step():
     assert host.observe_read(Instant(100 * MS, ROS + 108 * MS)) == 0
 
 
-def test_a_step_is_followed_at_once_and_told():
-    """Even for samples measured before it and read after it."""
+def test_a_step_applies_at_once_and_is_returned():
+    """It also applies to samples that were measured before it and read after it."""
     host = HostClocks()
     host.observe_read(Instant(0, ROS))
     assert host.observe_read(Instant(16 * MS, ROS + 516 * MS)) == 500 * MS

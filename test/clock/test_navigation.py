@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the pairs of samples and navigation messages."""
+"""Tests of the sample that a navigation message was computed from."""
 
 import random
 
@@ -8,7 +8,7 @@ from bahrs_driver.clock.navigation import NavigationCounter
 
 
 def stream(count, first_inertial=0, first_navigation=0):
-    """Yield what a device sends: ('i', counter, index) and ('n', counter, index of its sample)."""
+    """Yield messages: ('i', counter, index) and ('n', counter, index of its sample)."""
     for index in range(count):
         yield 'i', (first_inertial + index) % 256, index
         if index % 2 == 0:
@@ -16,7 +16,7 @@ def stream(count, first_inertial=0, first_navigation=0):
 
 
 def pairs(messages):
-    """Return (index wanted, index found) of every navigation message."""
+    """Return (true index, found index) of the sample of each navigation message."""
     pairing, latest, found = NavigationCounter(2, prior=0), None, []
     for kind, counter, index in messages:
         if kind == 'i':
@@ -28,20 +28,20 @@ def pairs(messages):
 
 
 def test_every_navigation_message_gets_its_sample():
-    """Through many turns of both counters."""
+    """Both counters wrap many times."""
     found = pairs(stream(2000))
     assert len(found) == 1000
     assert all(got == wanted for wanted, got in found)
 
 
-def test_counters_may_have_any_distance():
-    """A driver that starts late meets them anywhere."""
+def test_counters_may_have_any_difference():
+    """A driver may start at any time."""
     found = pairs(stream(600, 77, 200))
     assert len(found) == 300 and all(got == wanted for wanted, got in found)
 
 
 def test_a_lost_sample_is_not_replaced_by_its_neighbour():
-    """Its navigation message stays alone, the next has its own again."""
+    """Its navigation message gets no other sample, and the next one gets its own."""
     messages = [m for m in stream(100) if m[:2] != ('i', 40)]
     found = dict(pairs(messages))
     assert found[40] is None
@@ -49,7 +49,7 @@ def test_a_lost_sample_is_not_replaced_by_its_neighbour():
 
 
 def test_losses_of_either_kind_never_give_a_wrong_sample():
-    """One message in ten is lost, at random; one pair in five must remain at the least."""
+    """One message in ten is lost at random; at least one pair in five remains."""
     chance = random.Random(4)
     messages = [m for m in stream(20000) if chance.random() > 0.1]
     found = pairs(messages)
@@ -59,8 +59,8 @@ def test_losses_of_either_kind_never_give_a_wrong_sample():
     assert wrong == 0
 
 
-def test_a_restarted_device_is_believed_after_a_few_agreeing_pairs():
-    """The counters begin again at other values."""
+def test_a_few_agreeing_pairs_show_a_restart():
+    """The counters begin again with another difference."""
     found = pairs([*stream(100), *stream(100, 13, 200)])[50:]
     assert [got for _, got in found[:4]] == [None] * 4
     assert all(got == wanted for wanted, got in found[4:])

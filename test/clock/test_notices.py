@@ -5,16 +5,16 @@
 from bahrs_driver.clock.notices import KEPT, Notices
 
 
-def test_each_is_taken_once():
-    """In the order in which they were added."""
+def test_each_notice_is_taken_once():
+    """Notices keep their order."""
     notices = Notices()
     notices.add('one')
     notices.add('two')
     assert notices.take() == ['one', 'two'] and notices.take() == []
 
 
-def test_the_latest_are_kept():
-    """If they are not taken, as in the first pass over a capture."""
+def test_only_the_latest_notices_are_kept():
+    """The first pass over a recording takes none."""
     notices = Notices()
     for number in range(1000):
         notices.add(str(number))

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""For any input, the clock does not raise, keeps its promises, and recovers."""
+"""Properties of the clock that hold for any input."""
 
 from bahrs_driver.clock import ClockOptions, Instant, SampleClock
 from bahrs_driver.clock.stamp_queue import MESSAGES_PER_SAMPLE
@@ -35,7 +35,7 @@ reads = st.tuples(st.integers(0, 3 * 10 ** 9), st.integers(-10 ** 9, 10 ** 9),
 
 @settings(max_examples=300)
 @given(st.lists(reads, max_size=40))
-def test_no_input_raises_or_breaks_the_promises(all_reads):
+def test_any_input_is_stamped_in_order(all_reads):
     """Any messages at any times, on a host whose clock is set at random."""
     clock = SampleClock(ROLES)
     clock.begin(86_805)
@@ -51,8 +51,8 @@ def test_no_input_raises_or_breaks_the_promises(all_reads):
         assert clock.state().held <= MOST_WAITING
 
 
-def test_a_device_that_only_navigates_is_stamped_with_arrival():
-    """Messages do not wait forever for a sample that never comes."""
+def test_navigation_messages_without_samples_have_arrival_stamps():
+    """They do not wait forever for a sample."""
     clock, stamped = SampleClock(ROLES), []
     clock.begin(0)
     for index in range(1000):
@@ -72,8 +72,8 @@ rates = st.sampled_from([0.0, 0.003, 0.01])
 @given(seed=st.integers(0, 10 ** 6), adapter=st.sampled_from([0.016, 0.001, 'packets', 'plain']),
        drift=st.floats(-200, 200), label=st.sampled_from([0, 1]), loss=rates, bad_counters=rates,
        bad_times=rates, duplicates=rates, swaps=rates)
-def test_any_faults_have_bounded_effects_and_end(seed, adapter, drift, label, **faults):
-    """The error of a stamp is that of the lost samples at most, and small after the faults."""
+def test_the_effect_of_faults_is_bounded_and_ends(seed, adapter, drift, label, **faults):
+    """An error is at most the time of the lost samples, and small after the faults."""
     outcome = simulated(Case(15.0, adapter, drift_ppm=drift, label=label,
                              faults_until=FAULTS_END, **faults), seed)
     assert outcome.backward == outcome.future == 0

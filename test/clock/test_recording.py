@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The clock on the stream of a real device, read through a simulated adapter and host."""
+"""Tests of the clock with the stream of a real device, and a simulated adapter and host."""
 
 from bahrs_driver.clock import SampleClock
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat

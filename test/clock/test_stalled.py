@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""A driver that did not run for seconds: buffered messages keep the time they were sent."""
+"""Tests of the stamps of messages that the system buffered while the driver did not run."""
 
 from clock_simulation import Case, ORIGIN, Read, Simulation
 import pytest
@@ -11,7 +11,7 @@ TERMINAL, SOCKET = 4096, 10 ** 6        # bytes that wait in the system
 
 
 class Stalled(Simulation):
-    """No reads for a while: then one read of all that the system buffered; the rest is lost."""
+    """A simulation with a pause, after which one read returns all buffered bytes."""
 
     def __init__(self, case, seed, stall, buffer):
         """Stall for some seconds, with a buffer of some bytes."""
@@ -45,7 +45,7 @@ class Stalled(Simulation):
 @pytest.mark.parametrize('adapter', [0.016, 'plain'])
 @pytest.mark.parametrize('stall, buffer', [
     (0.9, TERMINAL), (1.5, TERMINAL), (3.1, TERMINAL), (9.0, TERMINAL), (3.1, SOCKET)])
-def test_a_driver_that_stood_still(stall, buffer, adapter):
+def test_stamps_after_a_pause_of_the_driver(stall, buffer, adapter):
     """No stamp jumps, and no restart of the device is reported."""
     outcome = simulated(Case(16.0 + stall, adapter, drift_ppm=80.0), simulation=lambda case, seed:
                         Stalled(case, seed, stall, buffer))

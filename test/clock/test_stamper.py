@@ -53,7 +53,7 @@ def stamps(samples, extra):
 
 @given(count=st.integers(40, 99), early_us=st.integers(0, PERIOD_US))
 def test_a_pulse_has_a_time_of_its_own(count, early_us):
-    """However near a sample it was."""
+    """A sample is close to it."""
     time = START_US + count * PERIOD_US - early_us
     pulse = SyncPulseTime(0, time)
     (found,) = (stamp for message, stamp in stamps(100, {count: [pulse]}) if message is pulse)
@@ -61,7 +61,7 @@ def test_a_pulse_has_a_time_of_its_own(count, early_us):
 
 
 def test_messages_of_one_sample_share_its_stamp():
-    """An inertial, a navigation and a time message."""
+    """The messages are an inertial, a navigation and a time message."""
     for message, stamp in stamps(100, {}):
         if isinstance(message, InertialTime):
             assert abs(stamp - message.device_time_us) < 0.01
@@ -72,7 +72,7 @@ def test_messages_of_one_sample_share_its_stamp():
 
 
 def test_stamps_of_repeated_frames_increase_strictly():
-    """Within each type; the times differ by a nanosecond only."""
+    """They increase within each type, by a nanosecond only."""
     again = {50: [inertial(50), navigation(50), SyncPulseTime(0, START_US + 50 * PERIOD_US - 100),
                   SyncPulseTime(0, START_US + 50 * PERIOD_US - 100)]}
     stamped = stamps(100, again)

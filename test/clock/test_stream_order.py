@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Messages leave the clock in the order of the stream, wherever the adapter cut it."""
+"""Tests that messages leave the clock in the order of the stream, for any cuts of it."""
 
 from bahrs_driver.clock import ClockOptions, Instant, SampleClock
 from bahrs_driver.protocol.bahrs.messages import (
@@ -64,7 +64,7 @@ def test_order_does_not_depend_on_the_cuts_of_the_stream(seed, sizes, **faults):
 
 
 def test_messages_behind_a_held_sample_are_held():
-    """An accuracy message applies to the navigation messages behind it."""
+    """An accuracy message applies to the navigation messages after it."""
     accuracy = Accuracy(0, 0.1, 0.1, 0.1, 0)
     beginning = [inertial(0), InertialTime(0, 1, 700_000), Navigation(0, *NAVIGATION), accuracy]
     end = [inertial(20), InertialTime(1, 21, 800_000)]

@@ -21,8 +21,8 @@ def fed(*pulses, tracker=None):
     return tracker
 
 
-def test_settled_after_three():
-    """Without an error of the pulses there is none of the tracker."""
+def test_the_tracker_settles_after_three_pulses():
+    """Exact pulses give an exact estimate."""
     tracker = fed((1, 0), (2, 0))
     assert not tracker.settled
     fed((3, 0), tracker=tracker)
@@ -37,7 +37,7 @@ def test_a_spurious_pulse_is_counted_and_has_no_effect():
 
 
 def test_missing_pulses_are_counted():
-    """There are three between 3 and 7."""
+    """Three pulses are missing between 3 s and 7 s."""
     tracker = fed((1, 0), (2, 0), (3, 0), (7, 0))
     assert tracker.missing == 3 and tracker.settled
 
@@ -67,7 +67,7 @@ def test_the_nearest_whole_second(about, expected):
 
 
 def test_external_times():
-    """The nearest one within half a period counts."""
+    """The nearest one within half a period is used."""
     reference = PulseReference(S, external=True)
     assert reference.find(5 * S) is None
     reference.add(4 * S + 250_000_000)
@@ -76,7 +76,7 @@ def test_external_times():
     assert reference.find(9 * S) is None
 
 
-def test_delay_is_a_median():
+def test_the_delay_is_a_median():
     """A single outlier does not affect it."""
     delay = DelayEstimate()
     assert delay.value is None

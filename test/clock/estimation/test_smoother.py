@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the smoother, against the live clock and simulated truth."""
+"""Tests of the smoother, compared with the live clock and simulated truth."""
 
 import random
 
@@ -29,7 +29,7 @@ def smoothed(samples):
 
 
 def test_smoother_of_a_straight_line():
-    """Without noise the error is rounding."""
+    """Without noise, only rounding makes an error."""
     items = [Measurement(i * S, 1000.0 + 2e-5 * i * S, 100.0) for i in range(50)]
     for item, (offset, skew) in zip(items, rts_smooth(items, 1e12)):
         assert offset == pytest.approx(item.offset, abs=1.0)
@@ -59,8 +59,8 @@ def test_smoother_jumps_where_the_model_allows_it():
     Case(30.0, pause_before=16, pause=2.7),
 ], ids=['16 ms', 'packets', '1 ms', 'overload', 'early overload', 'restart', 'loss',
         'bad counters', 'drift', 'pause'])
-def test_better_than_live(case):
-    """From the first second to the last, in each case."""
+def test_the_smoother_is_better_than_the_live_estimate(case):
+    """This holds from the first second to the last, in each case."""
     first_pass = SmootherInput()
     live = simulated(case, 7, estimate=first_pass)
     smooth = simulated(case, 7, estimate=first_pass.smoothed())
@@ -71,8 +71,8 @@ def test_better_than_live(case):
     assert smooth.wander(0.0) < 40.0 or case.bad_times
 
 
-def test_the_path_changes():
-    """By two milliseconds, up or down: both levels are found, even near the change."""
+def test_both_levels_of_a_changed_path_are_found():
+    """The delay changes by two milliseconds, up or down."""
     for first, second in ((0, 2_000_000), (2_000_000, 0)):
         samples = [(i * SAMPLE, i * SAMPLE + 10 ** 12 + (first if i < 20_000 else second))
                    for i in range(40_000)]
@@ -82,8 +82,8 @@ def test_the_path_changes():
             assert abs(smooth.host_time(device) - bound) < 30_000
 
 
-def test_a_sample_from_the_future():
-    """A single early sample is rejected."""
+def test_a_single_early_sample_is_rejected():
+    """A corrupted counter may make a sample early."""
     samples = [(i * SAMPLE, i * SAMPLE + 10 ** 12 - 50_000_000 * (i == 5000))
                for i in range(10_000)]
     smooth = smoothed(samples)
@@ -91,8 +91,8 @@ def test_a_sample_from_the_future():
                for device, _ in samples) < 30_000
 
 
-def test_few_samples():
-    """One sample is enough for a curve."""
+def test_one_sample_suffices_for_a_curve():
+    """Its skew is 0."""
     smooth = smoothed([(0, 1000)])
     assert smooth.started and smooth.host_time(S) == S + 1000
 

@@ -35,23 +35,23 @@ def noise(count, seed=1):
     return [source.uniform(0, 8000) for _ in range(count)]
 
 
-def test_first_sample():
-    """Its bound is the estimate."""
+def test_the_first_estimate_is_the_bound_of_the_first_sample():
+    """No other sample is known."""
     assert error(fed([70]), 0) == 70
 
 
 def test_the_first_half_second_follows_the_minimum():
-    """After each sample."""
+    """It does so after each sample."""
     assert [error(fed([900, 700, 800, 300, 500][:n]), n) for n in range(1, 6)] == [
         900, 700, 700, 300, 300]
 
 
 def test_skew_is_estimated():
-    """To 0.5 ppm, after a minute without noise."""
+    """The error is below 0.5 ppm after a minute without noise."""
     assert fed([0] * 60 * SECOND, skew=30e-6).skew == pytest.approx(30e-6, abs=0.5e-6)
 
 
-def test_the_envelope_and_not_the_mean_is_followed():
+def test_the_estimate_follows_the_envelope_and_not_the_mean():
     """The mean delay is 4 ms."""
     tracker = fed(noise(60 * SECOND), skew=-40e-6)
     assert abs(error(tracker, 60 * SECOND, -40e-6)) < 150
@@ -65,8 +65,8 @@ def test_an_early_sample_needs_a_second_one():
     assert tracker.rejected == 1
 
 
-def test_two_early_samples_are_followed_at_once():
-    """All samples before were late."""
+def test_the_estimate_follows_two_early_samples_at_once():
+    """All earlier samples were late."""
     tracker = fed([5000] * 20 * SECOND)
     fed([0] * 2 * SECOND, tracker=tracker, start=20 * SECOND)
     assert abs(error(tracker, 22 * SECOND)) < 20
@@ -82,7 +82,7 @@ def test_overload_is_ignored():
 
 
 def test_a_longer_path_is_accepted_after_ten_buckets():
-    """If all of them are late by the same amount."""
+    """All of them are late by the same amount."""
     tracker = fed([0] * 20 * SECOND)
     fed([3000] * 4 * SECOND, tracker=tracker, start=20 * SECOND)
     assert abs(error(tracker, 24 * SECOND)) < 50
@@ -100,7 +100,7 @@ def test_delays_that_last_a_minute_are_accepted():
 
 
 def test_restart_keeps_the_skew():
-    """It depends on the crystal."""
+    """The skew depends on the crystal, which stays the same."""
     tracker = fed([0] * 30 * SECOND, skew=50e-6)
     tracker.restart()
     assert not tracker.started
@@ -108,7 +108,7 @@ def test_restart_keeps_the_skew():
     assert tracker.host_time(10 ** 9) - OFFSET - 10 ** 9 == pytest.approx(50_000, abs=1000)
 
 
-def test_filter_by_hand():
+def test_two_measurements_computed_by_hand():
     """Two equally good measurements give their mean."""
     kalman = OffsetFilter(0, 1000, 10.0, 0.0, 0.0)
     kalman.correct(100, 100.0)
@@ -116,8 +116,8 @@ def test_filter_by_hand():
     assert kalman.variance == pytest.approx(50)
 
 
-def test_filter_keeps_nanoseconds_however_long_the_clocks_have_run():
-    """Even after three hundred years."""
+def test_the_filter_keeps_nanoseconds_after_three_hundred_years():
+    """Offsets are stored as an integer plus a small float."""
     kalman = OffsetFilter(10 ** 19, 3 * 10 ** 19 + 1, 10.0)
     assert kalman.offset(10 ** 19) == 3 * 10 ** 19 + 1
 
@@ -157,7 +157,7 @@ def test_two_models_are_as_good_as_the_better_one():
 
 
 def test_a_wide_gap_does_not_widen_the_gate():
-    """A host that is late from now on is rejected, however far apart its samples are."""
+    """Samples of a host that is late all the time are rejected, however far apart they are."""
     source = random.Random(4)
     tracker = fed([source.expovariate(1 / 20) for _ in range(60 * SECOND)])
     spread = tracker.spread
