@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the standard atmosphere, against its published tables."""
+"""Tests of the standard atmosphere, compared with its published tables."""
 
 from bahrs_driver.convert.atmosphere import pressure, pressure_gradient, pressure_height
 from hypothesis import given, strategies as st
@@ -16,13 +16,13 @@ def test_pressure_is_that_of_the_tables(height, expected):
 
 
 @given(st.floats(-6500, 10999))
-def test_height_and_pressure_are_each_others_inverse(height):
-    """To a micrometre, over all heights that a device can send."""
+def test_height_is_the_inverse_of_pressure(height):
+    """The error is below a micrometre for all heights that a device can send."""
     assert pressure_height(pressure(height)) == pytest.approx(height, abs=1e-6)
 
 
 @pytest.mark.parametrize('height', [-1000.0, 0.0, 537.2, 9000.0])
 def test_gradient_is_the_slope_of_the_pressure(height):
-    """By central difference."""
+    """The slope is a central difference."""
     slope = (pressure(height + 0.5) - pressure(height - 0.5))
     assert pressure_gradient(height) == pytest.approx(slope, rel=1e-6)

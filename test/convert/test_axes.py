@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the change of axes, against values worked out by hand."""
+"""Tests of the change of axes, compared with values computed by hand."""
 
 import math
 
@@ -29,7 +29,7 @@ def euler_degrees(quaternion: Quaternion) -> tuple[float, float, float]:
 
 
 def rotate(quaternion: Quaternion, vector: tuple[float, float, float]) -> list[float]:
-    """Return the vector turned by the quaternion, as q v q*."""
+    """Return the vector rotated by the quaternion, as q v q*."""
     w, x, y, z = quaternion
     a, b, c = vector
     return [
@@ -47,8 +47,8 @@ def rotate(quaternion: Quaternion, vector: tuple[float, float, float]) -> list[f
     ((-45, 0, 90), (-45, 0, 0)),
     ((0, 60, 90), (0, -60, 0)),
 ])
-def test_attitude_in_ned_becomes_attitude_in_enu(ned, expected):
-    """Roll stays, pitch changes its sign, yaw counts from east against the clock."""
+def test_attitude_in_ned_is_converted_to_enu(ned, expected):
+    """Roll stays, pitch changes its sign, and yaw is counterclockwise from east."""
     quaternion = flu_to_enu(quaternion_from_euler(*map(math.radians, ned)))
     found = euler_degrees(quaternion)
     for a, b in zip(found, expected):
@@ -56,8 +56,8 @@ def test_attitude_in_ned_becomes_attitude_in_enu(ned, expected):
 
 
 @given(angles, angles, angles, st.tuples(*[st.floats(-10, 10)] * 3))
-def test_a_body_vector_reaches_the_same_place_either_way(roll, pitch, yaw, vector):
-    """Turning in NED and renaming the axes is renaming the axes and turning in ENU."""
+def test_rotation_commutes_with_the_change_of_axes(roll, pitch, yaw, vector):
+    """Rotate in NED and change the axes, or change the axes and rotate in ENU."""
     quaternion = quaternion_from_euler(roll, pitch, yaw)
     through_ned = enu(tuple(rotate(quaternion, vector)))
     through_enu = rotate(flu_to_enu(quaternion), flu(vector))
@@ -66,21 +66,21 @@ def test_a_body_vector_reaches_the_same_place_either_way(roll, pitch, yaw, vecto
 
 @given(angles, angles, angles)
 def test_quaternions_have_unit_length(roll, pitch, yaw):
-    """In both conventions."""
+    """This holds in both conventions."""
     for convention in CONVENTIONS.values():
         quaternion = convention.orientation(quaternion_from_euler(roll, pitch, yaw))
         assert sum(part * part for part in quaternion) == pytest.approx(1)
 
 
-def test_vectors():
+def test_axes_of_vectors():
     """Body vectors become forward, left, up; world vectors east, north, up."""
     assert flu((1.0, 2.0, 3.0)) == (1.0, -2.0, -3.0)
     assert enu((1.0, 2.0, 3.0)) == (2.0, 1.0, -3.0)
     assert enu_diagonal((1.0, None, 3.0)) == (None, 1.0, 3.0)
 
 
-def test_ned_leaves_all_unchanged():
-    """The device's own axes."""
+def test_ned_changes_nothing():
+    """The device itself uses NED."""
     ned, vector, turn = CONVENTIONS['ned'], (1.0, 2.0, 3.0), Quaternion(0.5, 0.5, -0.5, 0.5)
     assert (ned.body(vector), ned.world(vector), ned.diagonal(vector)) == (vector,) * 3
     assert ned.orientation(turn) == turn

@@ -7,34 +7,34 @@ import pytest
 
 
 def test_diagonal():
-    """Row by row, zeros beside the variances."""
+    """The matrix is in row-major order, with zeros beside the variances."""
     assert covariance.diagonal((1.0, 2.0, 3.0)) == (1, 0, 0, 0, 2, 0, 0, 0, 3)
 
 
 def test_a_vector_has_the_variance_of_its_components():
-    """The square of the deviation, three times."""
+    """Each variance is the square of the deviation."""
     matrix = covariance.of_vector((1.0, 1.0, 1.0), 0.5)
     assert matrix == (0.25, 0, 0, 0, 0.25, 0, 0, 0, 0.25)
 
 
-def test_worth_multiplies_the_variance():
-    """Component by component."""
+def test_factors_multiply_the_variances():
+    """Each component has its own factor."""
     assert covariance.of_vector((1.0, 100.0, 1.0), 0.5)[4] == 25
 
 
 def test_a_lone_missing_component_has_an_unknown_variance():
-    """The others keep theirs, and the first element does not say -1."""
+    """The others keep their variance, and the first element is not -1."""
     matrix = covariance.of_vector((None, 1.0, 1.0), 0.5)
     assert matrix == (1e6, 0, 0, 0, 0.25, 0, 0, 0, 0.25)
 
 
 def test_a_vector_without_components_is_not_reported():
-    """REP-145: -1 in the first element."""
+    """By REP-145, the first element is -1."""
     assert covariance.of_vector((None, None, None), 0.5)[0] == -1
 
 
-def test_orientation():
-    """Squares of the deviations; a missing one is unknown; all missing is all zeros."""
+def test_covariance_of_the_orientation():
+    """A missing deviation is unknown; without any, the matrix is all zeros."""
     assert covariance.of_orientation((0.1, 0.2, 0.3)) == pytest.approx(
         (0.01, 0, 0, 0, 0.04, 0, 0, 0, 0.09))
     assert covariance.of_orientation((0.1, None, 0.3))[4] == 1e6

@@ -36,7 +36,7 @@ broken = st.tuples(*[st.floats(-10, 10, width=32) | st.just(math.nan) | st.just(
 
 
 def with_sequence(messages):
-    """Return messages with counters as the device has them."""
+    """Return messages with the counters of a device."""
     counts = {Inertial: 0, Navigation: 0, Accuracy: 0}
     for index, message in enumerate(messages):
         counts[type(message)] += 1
@@ -59,7 +59,7 @@ titan_streams = st.lists(st.one_of(
 
 
 def from_bahrs(stream, **options):
-    """Return what a BAHRS's messages become."""
+    """Return the ROS messages of a BAHRS's messages."""
     converter = BahrsConverter(replace(BAHRS_OPTIONS, **options))
     return [pair for index, message in enumerate(stream)
             for pair in converter.convert(message, STAMP + STEP * index)]
@@ -72,7 +72,7 @@ def through_wire(message):
 
 
 def from_titan(stream, **options):
-    """Return what a Titan-M's answers become."""
+    """Return the ROS messages of a Titan-M's answers."""
     options = {'requested': {State, Sensors, Gps}, **options}
     parts = TitanConverter(replace(TITAN_OPTIONS, **options))
     return [pair for index, message in enumerate(stream)
@@ -89,7 +89,7 @@ def matrices(message):
 
 
 def check_covariances(published, known):
-    """Check that no variance is 0 beside one that is not, nor at all if all are known."""
+    """Check that no variance is 0 beside another value, nor at all if all are known."""
     for topic, message in published:
         for matrix in matrices(message):
             diagonal = matrix.diagonal()
@@ -106,7 +106,7 @@ def check_covariances(published, known):
 
 
 def check_imu(published):
-    """Check that NaN is not reported, or has the unknown variance."""
+    """Check that NaN is marked as not reported, or has the unknown variance."""
     for _, message in published:
         if isinstance(message, Imu):
             for vector, matrix in (
@@ -122,7 +122,7 @@ def check_imu(published):
 @given(bahrs_streams, st.sampled_from(['inflate', 'withhold', 'pass']),
        st.sampled_from([0.0, 0.2, -2.0]))
 def test_no_variance_of_a_bahrs_is_zero(stream, policy, declination):
-    """With a known deviation for everything, whatever is available."""
+    """All deviations are known, and any signals are available."""
     published = from_bahrs(stream, integrity_policy=IntegrityPolicy(policy, 100.0),
                            declination=declination,
                            orientation_fallback=0.1, field_dip=1.0)
@@ -132,7 +132,7 @@ def test_no_variance_of_a_bahrs_is_zero(stream, policy, declination):
 
 @given(bahrs_streams)
 def test_a_deviation_of_0_is_unknown_for_a_bahrs(stream):
-    """All zeros, or 1e6 beside what is known."""
+    """The variance is 0 in a matrix of zeros, or 1e6 beside known ones."""
     published = from_bahrs(stream, force_stddev=0.0, rate_stddev=0.0, height_stddev=0.0,
                            velocity_stddev=0.0)
     check_covariances(published, False)
@@ -141,7 +141,7 @@ def test_a_deviation_of_0_is_unknown_for_a_bahrs(stream):
 
 @given(titan_streams, st.booleans())
 def test_no_variance_of_a_titan_m_is_zero(stream, known):
-    """Unless the user sets it to unknown, and then not beside a known one."""
+    """If the user sets it to unknown, it is 0 only in a matrix of zeros."""
     unknown = replace(DEVIATIONS, **dict.fromkeys(
         ('attitude', 'velocity', 'position', 'field', 'force'), 0.0))
     published = from_titan(stream, deviations=DEVIATIONS if known else unknown)
@@ -151,7 +151,7 @@ def test_no_variance_of_a_titan_m_is_zero(stream, known):
 
 @given(bahrs_streams)
 def test_imu_topics_of_a_bahrs_never_stop(stream):
-    """One message for each of the device's, whatever is available."""
+    """Each message of the device gives one, for any available signals."""
     topics = [topic for topic, _ in from_bahrs(stream)]
     assert topics.count('imu/data_raw') == sum(type(m) is Inertial for m in stream)
     assert topics.count('imu/data') == sum(type(m) is Navigation for m in stream)
@@ -159,7 +159,7 @@ def test_imu_topics_of_a_bahrs_never_stop(stream):
 
 @given(titan_streams)
 def test_imu_topics_of_a_titan_m_never_stop(stream):
-    """One message for each answer."""
+    """Each answer gives one message."""
     topics = [topic for topic, _ in from_titan(stream)]
     assert topics.count('imu/data_raw') == sum(type(m) is Sensors for m in stream)
     assert topics.count('imu/data') == sum(type(m) is State for m in stream)
@@ -182,7 +182,7 @@ def has_nan(message):
 
 
 @given(bahrs_streams, titan_streams)
-def test_withheld_is_what_has_a_nan_and_nothing_else(bahrs_stream, titan_stream):
+def test_exactly_the_messages_with_a_nan_are_withheld(bahrs_stream, titan_stream):
     """A NavSatFix is published in any case."""
     for convert, stream in ((from_bahrs, bahrs_stream), (from_titan, titan_stream)):
         kept = convert(stream, withhold_incomplete=True)
@@ -194,8 +194,8 @@ def test_withheld_is_what_has_a_nan_and_nothing_else(bahrs_stream, titan_stream)
 
 @pytest.mark.parametrize('kind', sorted(
     {*BAHRS_TOPICS.values(), *TITAN_TOPICS.values()} - PARTIAL, key=str))
-def test_completeness_looks_at_every_number(kind):
-    """Of every type that is published; covariances are always numbers."""
+def test_completeness_examines_every_number(kind):
+    """This holds for every published type; covariances are always numbers."""
     assert completeness.complete(kind())
     paths = list(float_paths(kind()))
     assert paths
@@ -210,7 +210,7 @@ def test_completeness_looks_at_every_number(kind):
 
 
 def float_paths(message, path=()):
-    """Yield where a message has a number that could be NaN."""
+    """Yield the places of numbers in a message that may be NaN."""
     for name in message.get_fields_and_field_types():
         value = getattr(message, name)
         if hasattr(value, 'get_fields_and_field_types'):
@@ -235,8 +235,8 @@ def turning(kind, angle):
 
 @pytest.mark.parametrize('kind, convert', [(Navigation, from_bahrs), (State, from_titan)])
 @pytest.mark.parametrize('convention', ['enu', 'ned'])
-def test_two_turns_do_not_flip_the_sign(kind, convert, convention):
-    """From sample to sample, though heading wraps; the same for odometry."""
+def test_the_sign_of_the_quaternion_is_continuous_over_two_turns(kind, convert, convention):
+    """The heading wraps; odometry has the same sign."""
     stream = [turning(kind, math.radians(angle)) for angle in range(0, 721, 5)]
     if kind is State:
         stream = [GPS, *stream]
@@ -251,7 +251,7 @@ def test_two_turns_do_not_flip_the_sign(kind, convert, convention):
 
 @given(st.lists(st.tuples(angles, angles, angles), min_size=2, max_size=20))
 def test_the_sign_is_the_nearer_one(attitudes):
-    """Whatever the attitudes; it is w that decides at the start, and after a lost link."""
+    """At the start and after a lost link, w is positive."""
     converter = BahrsConverter(BAHRS_OPTIONS)
     for _ in range(2):
         found = quaternions([pair for roll, pitch, heading in attitudes
@@ -264,7 +264,7 @@ def test_the_sign_is_the_nearer_one(attitudes):
 
 
 def test_an_attitude_that_is_unavailable_for_a_while_keeps_the_sign():
-    """And what is published in between is not reported."""
+    """Orientations in between are marked as not reported."""
     gone = replace(NAVIGATION, health=(Integrity.UNAVAILABLE,) * 5)
     stream = [turning(Navigation, math.radians(angle)) for angle in range(0, 400, 5)]
     out = from_bahrs([ACCURACY, INERTIAL, *stream, gone, stream[-1]])

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of UTM, against a transverse Mercator of their own."""
+"""Tests of UTM, compared with another implementation of transverse Mercator."""
 
 import math
 
@@ -29,7 +29,7 @@ def utm(latitude, longitude, zone, northern):
 
 
 def metres(place, latitude, longitude):
-    """Return how far a place is from another."""
+    """Return the distance between two places."""
     return math.hypot(math.radians(place.latitude - latitude) * A,
                       math.radians(math.remainder(place.longitude - longitude, 360))
                       * A * math.cos(math.radians(latitude)))
@@ -37,32 +37,32 @@ def metres(place, latitude, longitude):
 
 @given(st.sampled_from(ZONES), st.floats(-3.5, 3.5), st.floats(-80, 84))
 def test_every_zone_and_both_hemispheres(zone, off, latitude):
-    """And a little outside of the zone: within a millimetre of what went in."""
+    """The error is below a millimetre, even a little outside of the zone."""
     longitude = 6 * zone - 183 + off
     place = to_wgs84(*utm(latitude, longitude, zone, latitude >= 0), zone, latitude >= 0)
     assert metres(place, latitude, longitude) < 0.002
 
 
 def test_a_known_place():
-    """The CN Tower, as encyclopedias have it: 17T 630084 4833438."""
+    """The CN Tower is at 17T 630084 4833438."""
     place = to_wgs84(630_084.0, 4_833_438.0, 17, True)
     assert metres(place, 43.642566, -79.387139) < 2.0
 
 
 @pytest.mark.parametrize('zone', [0, 61, 99, 255])
-def test_no_such_zone(zone):
-    """It is no position."""
+def test_an_invalid_zone_has_no_position(zone):
+    """Zones are numbered from 1 to 60."""
     assert to_wgs84(500_000.0, 5e6, zone, True) is None
 
 
 @pytest.mark.parametrize('easting, northing', [(0.0, 0.0), (-1.0, 5e6), (2e6, 5e6), (5e5, 2e7)])
-def test_no_such_coordinates(easting, northing):
-    """Zeros, too, are none: no zone begins there."""
+def test_invalid_coordinates_have_no_position(easting, northing):
+    """Zeros are invalid, too: they are outside of all zones."""
     assert to_wgs84(easting, northing, 32, True) is None
 
 
-def test_across_the_equator_with_the_hemisphere_of_before():
-    """A northing below zero, and one above ten million."""
+def test_coordinates_across_the_equator():
+    """A northing may be below zero, or above ten million."""
     north = to_wgs84(500_000.0, -100.0, 31, True)
     south = to_wgs84(500_000.0, 1e7 - 100.0, 31, False)
     assert metres(north, south.latitude, south.longitude) < 1e-6 and north.latitude < 0

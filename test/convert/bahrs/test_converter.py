@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what device messages become in ROS."""
+"""Tests of the conversion of device messages to ROS messages."""
 
 from dataclasses import replace
 import math
@@ -20,7 +20,7 @@ STAMP = 1_700_000_000_123_456_789
 
 
 def published(*messages, **options):
-    """Return by topic what the last of the messages becomes."""
+    """Return the ROS messages of the last message, by topic."""
     converter = BahrsConverter(replace(OPTIONS, **options))
     for index, message in enumerate(messages):
         outgoing = dict(converter.convert(message, STAMP + index))
@@ -28,7 +28,7 @@ def published(*messages, **options):
 
 
 def with_health(message, **states):
-    """Return the message with signals, by name, in other states."""
+    """Return the message with other states of some signals, by name."""
     health = tuple(states.get(name, state)
                    for name, state in zip(message.SIGNALS, message.health))
     return replace(message, health=health)
@@ -45,8 +45,8 @@ def yaw_degrees(quaternion):
     return math.degrees(math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y ** 2 + q.z ** 2)))
 
 
-def test_every_message_is_of_its_topics_type():
-    """And all topics of the table are published when everything is available."""
+def test_every_message_has_the_type_of_its_topic():
+    """All topics are published if all signals are available."""
     converter, seen = BahrsConverter(OPTIONS), {}
     for message in (ACCURACY, INERTIAL, NAVIGATION, InertialTime(0, 1, 600_000),
                     SyncPulseTime(0, 601_000)):
@@ -55,7 +55,7 @@ def test_every_message_is_of_its_topics_type():
 
 
 def test_time_reference():
-    """ROS time of a sample in the header, its device time beside it."""
+    """The header has the ROS time of a sample, time_ref its device time."""
     message = published(InertialTime(0, 1, 2_581_377))['time_reference']
     assert (message.header.stamp.sec, message.header.stamp.nanosec) == (
         1_700_000_000, 123_456_789)
@@ -65,13 +65,13 @@ def test_time_reference():
 
 @pytest.mark.parametrize('message', [
     InertialTime(0, 0, 0), InertialTime(0, 1, 2 ** 64 - 1), SyncPulseTime(0, 2 ** 31 * 10 ** 6)])
-def test_times_that_cannot_be_are_not_published(message):
-    """The device has none yet, or ROS time cannot hold it."""
+def test_impossible_times_are_not_published(message):
+    """The device has no time yet, or it is out of the range of ROS time."""
     assert published(message) == {}
 
 
 def test_raw_imu():
-    """Force and rate in FLU with their variances, and no orientation."""
+    """The message has force and rate in FLU with their variances, and no orientation."""
     imu = published(INERTIAL)['imu/data_raw']
     assert imu.header.frame_id == 'imu_link'
     assert (imu.header.stamp.sec, imu.header.stamp.nanosec) == (1_700_000_000, 123_456_789)
@@ -83,7 +83,7 @@ def test_raw_imu():
 
 
 def test_imu_has_orientation_and_the_sample_of_the_same_device_time():
-    """With the stamp of that sample, not that of the navigation message."""
+    """Its stamp is that of the sample, not that of the navigation message."""
     imu = published(ACCURACY, INERTIAL, NAVIGATION)['imu/data']
     assert imu.header.stamp.nanosec == 123_456_790
     assert xyz(imu.linear_acceleration) == (0.1, -0.2, 9.7)
@@ -92,8 +92,8 @@ def test_imu_has_orientation_and_the_sample_of_the_same_device_time():
         [4e-4, 0, 0, 0, 1e-4, 0, 0, 0, 9e-4])         # about east, north, up
 
 
-def test_ned_is_as_the_device_has_it():
-    """Axes, orientation, height, velocity and the order of the deviations."""
+def test_ned_changes_no_axes():
+    """This holds for orientation, height, velocity and the order of the deviations."""
     out = published(ACCURACY, INERTIAL, NAVIGATION, convention=CONVENTIONS['ned'])
     assert xyz(out['imu/data'].linear_acceleration) == (0.1, 0.2, -9.7)
     assert yaw_degrees(out['imu/data'].orientation) == pytest.approx(30)
@@ -102,8 +102,8 @@ def test_ned_is_as_the_device_has_it():
     assert out['velocity'].twist.twist.linear.z == -2
 
 
-def test_lost_sample_leaves_orientation_alone():
-    """No force and rate of another time are put in."""
+def test_after_a_lost_sample_only_orientation_is_published():
+    """Force and rate of another time are not used."""
     late = replace(NAVIGATION, sequence=1)
     imu = published(ACCURACY, INERTIAL, NAVIGATION, late)['imu/data']
     assert imu.linear_acceleration_covariance[0] == -1
@@ -114,24 +114,24 @@ def test_lost_sample_leaves_orientation_alone():
 
 
 @pytest.mark.parametrize('state', [GONE, RESERVED])
-def test_lone_missing_axis_is_nan(state):
-    """The others stay."""
+def test_a_single_missing_axis_is_nan(state):
+    """The other axes keep their values."""
     imu = published(with_health(INERTIAL, specific_force_y=state))['imu/data_raw']
     x, y, z = xyz(imu.linear_acceleration)
     assert (x, z) == (0.1, 9.7) and math.isnan(y)
     assert imu.linear_acceleration_covariance[[0, 4, 8]] == pytest.approx([0.01, 1e6, 0.01])
 
 
-def test_missing_quantity_is_not_reported():
-    """-1 for the rate, the force stays."""
+def test_a_missing_quantity_is_not_reported():
+    """The covariance of the rate begins with -1; the force stays."""
     imu = published(replace(INERTIAL, health=(SAFE,) * 3 + (GONE,) * 3))['imu/data_raw']
     assert imu.angular_velocity_covariance[0] == -1
     assert all(map(math.isnan, xyz(imu.angular_velocity)))
     assert imu.linear_acceleration_covariance[0] == pytest.approx(0.01)
 
 
-def test_imu_topics_go_on_when_nothing_is_available():
-    """All of it is NaN and not reported; neither height nor velocity is made up."""
+def test_imu_topics_continue_without_available_signals():
+    """All values are NaN and not reported; height and velocity are not published."""
     nothing = replace(INERTIAL, health=(GONE,) * 6)
     raw = published(nothing)
     assert set(raw) == {'integrity', 'imu/data_raw'}
@@ -145,8 +145,8 @@ def test_imu_topics_go_on_when_nothing_is_available():
 
 
 @pytest.mark.parametrize('policy, factor', [('inflate', 100), ('pass', 1)])
-def test_integrity_risk_is_still_a_value(policy, factor):
-    """With a larger variance, or as it is; other signals are as they were."""
+def test_signals_at_risk_are_published(policy, factor):
+    """Their variance is larger, or unchanged; other signals do not change."""
     integrity_policy = IntegrityPolicy(policy, 100.0)
     risky = with_health(NAVIGATION, velocity_down=RISK, roll=RISK, magnetic_heading=RISK)
     out = published(ACCURACY, with_health(INERTIAL, specific_force_y=RISK), risky,
@@ -162,7 +162,7 @@ def test_integrity_risk_is_still_a_value(policy, factor):
 
 
 @pytest.mark.parametrize('signal', ['roll', 'pitch', 'magnetic_heading'])
-def test_what_is_derived_is_worth_no_more_than_what_it_is_derived_from(signal):
+def test_derived_values_have_the_risk_of_their_sources(signal):
     """The field across the heading has the risk of each of the three angles."""
     safe = published(ACCURACY, INERTIAL, replace(NAVIGATION, roll=0.0, pitch=0.0))['imu/mag']
     risky = published(ACCURACY, INERTIAL, with_health(
@@ -176,8 +176,8 @@ def test_what_is_derived_is_worth_no_more_than_what_it_is_derived_from(signal):
     assert variance(risky) == pytest.approx(100 * variance(safe))
 
 
-def test_integrity_risk_may_be_withheld():
-    """It is then treated as unavailable."""
+def test_signals_at_risk_may_be_withheld():
+    """They are then treated as unavailable."""
     integrity_policy = IntegrityPolicy('withhold', 100.0)
     risky = with_health(NAVIGATION, velocity_down=RISK, roll=RISK, magnetic_heading=RISK)
     out = published(ACCURACY, with_health(INERTIAL, specific_force_y=RISK), risky,
@@ -188,8 +188,8 @@ def test_integrity_risk_may_be_withheld():
     assert math.isnan(out['heading'].data)
 
 
-def test_risk_without_accuracy_is_not_hidden_behind_unknown():
-    """All zeros are for what is safe and of unknown accuracy."""
+def test_a_signal_at_risk_without_accuracy_has_a_very_large_variance():
+    """All zeros mean a safe signal of unknown accuracy."""
     imu = published(INERTIAL, with_health(NAVIGATION, roll=RISK))['imu/data']
     assert imu.orientation_covariance[[0, 4, 8]] == pytest.approx([1e6, 1e6, 1e6])
 
@@ -199,8 +199,8 @@ def states(notice):
     return {status.name: (status.level, status.message) for status in notice.status}
 
 
-def test_integrity_is_told_when_it_changes_under_the_stamp_of_the_sample():
-    """And not otherwise; every notice has all signals."""
+def test_integrity_is_published_when_it_changes_with_the_stamp_of_the_sample():
+    """It is not published otherwise; every notice has all signals."""
     converter = BahrsConverter(OPTIONS)
     first = dict(converter.convert(INERTIAL, 1000))['integrity']
     assert states(first)['specific_force_x'] == (b'\x00', 'safe')
@@ -219,8 +219,8 @@ def test_integrity_is_told_when_it_changes_under_the_stamp_of_the_sample():
     assert len(states(out['integrity'])) == 11
 
 
-def test_a_lost_stream_is_told():
-    """Nothing is known any more, and the first sample of the next stream is a change again."""
+def test_integrity_is_unknown_after_a_lost_stream():
+    """The first sample of the next stream is a change again."""
     converter = BahrsConverter(OPTIONS)
     list(converter.convert(INERTIAL, 1000))
     notice = dict(converter.end_stream(5000))['integrity']
@@ -235,8 +235,8 @@ def test_a_lost_stream_is_told():
     ('pitch', {'imu/mag'}),
     ('magnetic_heading', {'imu/mag'}),
 ])
-def test_unavailable_signal_takes_its_topics_away(signal, topics):
-    """And no others."""
+def test_topics_of_an_unavailable_signal_are_not_published(signal, topics):
+    """All other topics are published."""
     everything = set(published(INERTIAL, NAVIGATION))
     out = published(INERTIAL, with_health(NAVIGATION, **{signal: GONE}))
     assert everything - set(out) == topics
@@ -252,7 +252,7 @@ def test_without_roll_or_pitch_there_is_no_orientation(signal):
 
 
 def test_without_heading_roll_and_pitch_are_still_usable():
-    """The yaw is that of heading north, and its variance marks it as unknown."""
+    """The yaw is that of heading north, with a variance that marks it as unknown."""
     imu = published(ACCURACY, INERTIAL, with_health(NAVIGATION, magnetic_heading=GONE))['imu/data']
     q = imu.orientation
     roll = math.atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x ** 2 + q.y ** 2))
@@ -265,13 +265,13 @@ def test_without_heading_roll_and_pitch_are_still_usable():
 
 
 def test_orientation_without_accuracy_has_an_unknown_covariance():
-    """All zeros, until the first accuracy message."""
+    """Until the first accuracy message, it is all zeros."""
     imu = published(INERTIAL, NAVIGATION)['imu/data']
     assert list(imu.orientation_covariance) == [0] * 9
 
 
-def test_accuracy_does_not_outlive_its_messages():
-    """A second after the last it is out of date."""
+def test_accuracy_expires():
+    """A second after the last accuracy message it is unknown again."""
     converter = BahrsConverter(OPTIONS)
     list(converter.convert(ACCURACY, STAMP))
     for _ in range(100):
@@ -281,8 +281,8 @@ def test_accuracy_does_not_outlive_its_messages():
     assert list(out['imu/data'].orientation_covariance) == [0] * 9
 
 
-def test_another_stream_begins_afresh():
-    """Neither accuracy nor sample of the old stream go with the new."""
+def test_another_stream_uses_nothing_of_the_last():
+    """Neither accuracy nor samples of the last stream are used."""
     converter = BahrsConverter(OPTIONS)
     for message in (ACCURACY, INERTIAL):
         list(converter.convert(message, STAMP))
@@ -293,7 +293,7 @@ def test_another_stream_begins_afresh():
 
 
 def test_declination_turns_the_orientation_but_not_the_heading():
-    """East is positive: true heading is 33 degrees, 57 in ENU."""
+    """East is positive: true heading is 33 degrees, which is 57 in ENU."""
     out = published(INERTIAL, NAVIGATION, declination=math.radians(3))
     assert yaw_degrees(out['imu/data'].orientation) == pytest.approx(57)
     assert out['heading'].data == pytest.approx(30)
@@ -301,14 +301,14 @@ def test_declination_turns_the_orientation_but_not_the_heading():
 
 @pytest.mark.parametrize('heading, expected', [(-0.5, 331.35), (6.2831851641, 0.0), (3.2, 183.35)])
 def test_heading_is_from_0_to_360(heading, expected):
-    """Also where the device counts from -pi to pi, as version 1 does."""
+    """Version 1 of the protocol counts from -pi to pi."""
     value = published(replace(NAVIGATION, magnetic_heading=heading))['heading'].data
     assert 0 <= value < 360
     assert math.remainder(value - expected, 360) == pytest.approx(0, abs=0.01)
 
 
 def test_heights():
-    """Pressure of the standard atmosphere, altitude without a fix, z in the world frame."""
+    """Pressure by the standard atmosphere, altitude without a fix, z in the world frame."""
     out = published(INERTIAL, NAVIGATION)
     pressure, fix, pose = (out[topic] for topic in
                            ('static_pressure', 'pressure_altitude', 'altitude/pose'))
@@ -322,20 +322,20 @@ def test_heights():
 
 
 def test_velocity_is_upward():
-    """Two metres a second of climb."""
+    """The device climbs at 2 m/s."""
     twist = published(NAVIGATION)['velocity']
     assert twist.header.frame_id == 'map'
     assert twist.twist.twist.linear.z == 2 and twist.twist.covariance[14] == 0.25
 
 
-def test_derived_field_can_be_turned_off():
-    """By its parameter."""
+def test_the_derived_field_can_be_turned_off():
+    """publish.derived_magnetic_field is the parameter."""
     assert 'imu/mag' in published(NAVIGATION)
     assert 'imu/mag' not in published(NAVIGATION, publish_field=False)
 
 
-def test_other_messages_become_nothing():
-    """They belong to other rooms."""
+def test_other_messages_are_not_converted():
+    """Other modules handle them."""
     assert published(SoftwareVersion('OSS', 1, 2)) == {}
 
 
@@ -344,8 +344,8 @@ def stamp_of(message):
     return message.header.stamp.sec * 10 ** 9 + message.header.stamp.nanosec
 
 
-def test_a_navigation_message_that_comes_twice_has_increasing_stamps():
-    """The second one has the stamp that the clock gave it, and the same values."""
+def test_a_repeated_navigation_message_has_a_later_stamp():
+    """It has the stamp of the clock, and the same values."""
     converter = BahrsConverter(OPTIONS)
     list(converter.convert(INERTIAL, STAMP))
     first = dict(converter.convert(NAVIGATION, STAMP))
@@ -356,8 +356,8 @@ def test_a_navigation_message_that_comes_twice_has_increasing_stamps():
     assert second['imu/data'].angular_velocity == first['imu/data'].angular_velocity
 
 
-def test_an_inertial_sample_from_before_a_gap_is_not_that_of_a_message_after_it():
-    """Though its counter would fit, a turn later."""
+def test_an_inertial_sample_before_a_gap_does_not_match_a_message_after_it():
+    """Its counter matches because it has wrapped."""
     converter = BahrsConverter(OPTIONS)
     list(converter.convert(INERTIAL, STAMP))
     outgoing = dict(converter.convert(NAVIGATION, STAMP + 1_280_000_000))

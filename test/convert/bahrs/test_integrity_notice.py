@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the notices on the topic `integrity`: when they come, and under which stamps."""
+"""Tests of the notices on the topic `integrity`, and of their stamps."""
 
 from itertools import pairwise
 
@@ -24,7 +24,7 @@ def states(notice):
 
 
 def test_a_change_has_the_stamp_of_its_sample():
-    """And what is no change gives no notice."""
+    """Without a change there is no notice."""
     notices = IntegrityNotice(['roll', 'pitch'])
     first = notices.update(('roll', 'pitch'), (SAFE, SAFE), START, 'imu')
     assert (stamp(first), states(first)) == (START, ['safe', 'safe'])
@@ -33,8 +33,8 @@ def test_a_change_has_the_stamp_of_its_sample():
     assert (stamp(change), states(change)) == (START + 20, ['safe', 'integrity_risk'])
 
 
-def test_a_stream_that_ends_is_unknown_from_its_last_sample_on():
-    """However late that is noticed: a sample that comes after it is later."""
+def test_integrity_is_unknown_from_the_last_sample_of_a_stream():
+    """The notice may be late; the next sample has a later stamp."""
     notices = IntegrityNotice(['roll'])
     notices.update(('roll',), (SAFE,), START, 'imu')
     notices.update(('roll',), (SAFE,), START + 50, 'imu')
@@ -44,8 +44,8 @@ def test_a_stream_that_ends_is_unknown_from_its_last_sample_on():
     assert stamp(notices.update(('roll',), (SAFE,), START + 60, 'imu')) == START + 60
 
 
-def test_the_first_notice_may_be_that_nothing_is_known():
-    """A late subscriber learns that no signal was received; it is published once."""
+def test_the_first_notice_may_be_unknown():
+    """It is published once, for subscribers that join late."""
     notices = IntegrityNotice(['roll'])
     assert stamp(notices.forget(START, 'imu')) == START
     assert notices.forget(START + 5, 'imu') is None
@@ -53,8 +53,8 @@ def test_the_first_notice_may_be_that_nothing_is_known():
     assert stamp(notices.update(('roll',), (SAFE,), START - SECOND // 2, 'imu')) == START
 
 
-def test_a_clock_that_was_set_back_is_followed():
-    """Or else the notices would be in the future for an hour."""
+def test_stamps_follow_a_clock_that_was_set_back():
+    """Otherwise they would be in the future for an hour."""
     notices = IntegrityNotice(['roll'])
     notices.update(('roll',), (SAFE,), START, 'imu')
     back = START - 3600 * SECOND
@@ -65,7 +65,7 @@ def test_a_clock_that_was_set_back_is_followed():
     st.sampled_from(['force', 'attitude', 'forget']), st.sampled_from(Integrity),
     st.integers(-SET_BACK // 4, SECOND))))
 def test_stamps_never_decrease(events):
-    """Whatever comes: samples out of order by up to a quarter of a second, pauses, lost links."""
+    """Samples are out of order by up to 0.25 s, and there are pauses and lost links."""
     notices, now, published = IntegrityNotice(['force', 'attitude']), START, []
     for kind, state, step in events:
         now = max(now + step, START - SET_BACK // 4)

@@ -16,19 +16,19 @@ ENU, NED = CONVENTIONS['enu'], CONVENTIONS['ned']
 @pytest.mark.parametrize('heading, expected', [
     (0, (50, 0, 0)), (90, (0, 50, 0)), (180, (-50, 0, 0)), (270, (0, -50, 0))])
 def test_level_flu_field_points_north(heading, expected):
-    """Flying east, north is to the left: positive y."""
+    """For a heading of east, north is to the left: positive y."""
     field, _ = derived_field(0, 0, math.radians(heading), 0.1, 50e-6, 0.0, ENU)
     assert np.array(field) * 1e6 == pytest.approx(expected, abs=1e-9)
 
 
 def test_dip_points_down():
-    """Up is positive in ENU, so a field that dips is negative there."""
+    """In ENU up is positive, so the vertical component is negative."""
     field, _ = derived_field(0, 0, 0, 0.1, 50e-6, math.radians(60), ENU)
     assert field == pytest.approx((25e-6, 0, -50e-6 * math.sin(math.radians(60))))
 
 
 def test_heading_computed_from_the_field_is_the_heading():
-    """As a tilt-compensated compass would, at an attitude that is nothing in particular."""
+    """A tilt-compensated compass finds the heading at an arbitrary attitude."""
     roll, pitch, heading = 0.3, -0.4, 4.0
     field, _ = derived_field(roll, pitch, heading, 0.1, 50e-6, 0.9, NED)
     x, y, z = field
@@ -39,22 +39,22 @@ def test_heading_computed_from_the_field_is_the_heading():
 
 
 @given(*[st.floats(-math.pi, math.pi)] * 3)
-def test_rotation_is_the_inverse_of_the_quaternions(roll, pitch, heading):
-    """The matrix here and the quaternion in axes are the same attitude."""
+def test_rotation_is_the_inverse_of_the_quaternion(roll, pitch, heading):
+    """The matrix and the quaternion of `axes` describe the same attitude."""
     w, x, y, z = quaternion_from_euler(roll, pitch, heading)
     to_ned_down = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]
     assert rotation_to_body(roll, pitch, heading)[2] == pytest.approx(to_ned_down, abs=1e-12)
 
 
 def test_only_the_direction_across_the_field_is_known():
-    """Level and heading north in FLU: y is known from the heading, x and z are open."""
+    """Level, heading north, in FLU: y follows from the heading, x and z are unknown."""
     _, matrix = derived_field(0, 0, 0, 0.1, 50e-6, 0.0, ENU)
     assert np.array(matrix).reshape(3, 3) == pytest.approx(
         np.diag([2.5e-9, 2.5e-11, 2.5e-9]), abs=1e-20)
 
 
-def test_covariance_turns_with_the_body():
-    """At any attitude its eigenvalues are the same, and it is symmetric."""
+def test_the_covariance_rotates_with_the_body():
+    """At any attitude it is symmetric and has the same eigenvalues."""
     _, matrix = derived_field(0.3, -0.4, 4.0, 0.1, 50e-6, 0.0, ENU)
     matrix = np.array(matrix).reshape(3, 3)
     assert matrix == pytest.approx(matrix.T)
@@ -62,13 +62,13 @@ def test_covariance_turns_with_the_body():
 
 
 def test_without_accuracy_the_covariance_is_unknown():
-    """All zeros."""
+    """It is all zeros."""
     _, matrix = derived_field(0, 0, 0, None, 50e-6, 0.0, ENU)
     assert matrix == (0,) * 9
 
 
-def test_field_and_published_orientation_fit():
-    """The orientation turns the field into one that points north: y of ENU."""
+def test_field_and_published_orientation_agree():
+    """Rotated by the orientation, the field points north: y of ENU."""
     roll, pitch, heading = 0.3, -0.4, 4.0
     (x, y, z), _ = derived_field(roll, pitch, heading, 0.1, 50e-6, 0.0, ENU)
     w, a, b, c = flu_to_enu(quaternion_from_euler(roll, pitch, heading))
@@ -79,7 +79,7 @@ def test_field_and_published_orientation_fit():
 @pytest.mark.parametrize('dip', [0.0, 0.5, 1.1, -1.1])
 @pytest.mark.parametrize('convention', [ENU, NED])
 def test_errors_of_the_attitude_stay_within_the_covariance(convention, dip):
-    """Across the field it is theirs, with the vertical part that a tilt moves; else it is open."""
+    """Across the field, tilt adds the vertical component; along it, the variance is unknown."""
     strength, (north, east, down) = 50e-6, (0.01, 0.02, 0.03)
     roll, pitch, heading = 0.3, -0.5, 2.0
     field, matrix = derived_field(
@@ -99,8 +99,8 @@ def test_errors_of_the_attitude_stay_within_the_covariance(convention, dip):
     assert min(np.linalg.eigvalsh(published - 0.98 * sampled)) > 0
 
 
-def test_without_a_known_tilt_the_whole_vertical_part_is_open():
-    """And without dip there is none."""
+def test_without_a_known_tilt_the_vertical_component_is_unknown():
+    """Without dip there is no vertical component."""
     for dip in (0.0, 1.0):
         _, matrix = derived_field(0, 0, 0, 0.1, 50e-6, dip, NED, None)
         assert matrix[4] == pytest.approx(

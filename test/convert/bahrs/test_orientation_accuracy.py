@@ -15,7 +15,7 @@ SAMPLES = 200_000
 
 
 def accuracy(north=0.01, east=0.02, heading=0.03, convention=ENU, declination=0.0, fallback=0.0):
-    """Return what has taken one accuracy message."""
+    """Return the accuracy after one accuracy message."""
     kept = OrientationAccuracy(convention, declination, fallback)
     kept.update(Accuracy(0, north, east, heading, 0))
     return kept
@@ -29,13 +29,13 @@ def square(matrix):
 @pytest.mark.parametrize('convention, diagonal', [
     (ENU, [4e-4, 1e-4, 9e-4]), (NED, [1e-4, 4e-4, 9e-4])])
 def test_order_of_the_axes(convention, diagonal):
-    """Rotations about east, north and up; about north, east and down in NED."""
+    """The rotations are about east, north and up; in NED about north, east and down."""
     assert square(accuracy(convention=convention).matrix(1.0, 1.0)) == pytest.approx(
         np.diag(diagonal))
 
 
-def test_declination_turns_the_axes():
-    """By 90 degrees magnetic north is true east; by 45 the two are correlated."""
+def test_declination_rotates_the_axes():
+    """At 90 degrees magnetic north is true east; at 45 the two are correlated."""
     turned = square(accuracy(declination=math.pi / 2).matrix(1.0, 1.0))
     assert turned == pytest.approx(np.diag([1e-4, 4e-4, 9e-4]), abs=1e-12)
     between = square(accuracy(declination=math.pi / 4).matrix(1.0, 1.0))
@@ -43,16 +43,16 @@ def test_declination_turns_the_axes():
         [[2.5e-4, -1.5e-4, 0], [-1.5e-4, 2.5e-4, 0], [0, 0, 9e-4]]))
 
 
-def test_without_a_heading_the_larger_tilt_counts_for_both():
-    """The yaw is open, and which of the axes is north is not known."""
+def test_without_a_heading_both_axes_have_the_larger_tilt():
+    """The yaw is unknown, and so is the axis that points north."""
     kept = accuracy(declination=0.3)
     assert square(kept.matrix(1.0, None)) == pytest.approx(np.diag([4e-4, 4e-4, 1e6]))
     assert square(kept.matrix(100.0, None)) == pytest.approx(np.diag([4e-2, 4e-2, 1e6]))
     assert square(accuracy(north=None).matrix(1.0, None)) == pytest.approx(np.diag([1e6] * 3))
 
 
-def test_the_fallback_takes_the_place_of_what_is_not_said():
-    """Before the first message, after the last, and where a value is invalid."""
+def test_the_fallback_replaces_unknown_deviations():
+    """This holds before the first message, after the last, and for invalid values."""
     kept = OrientationAccuracy(ENU, 0.2, 0.1)
     assert square(kept.matrix(1.0, 1.0)) == pytest.approx(np.diag([0.01] * 3))
     assert square(kept.matrix(100.0, 1.0)) == pytest.approx(np.diag([1.0, 1.0, 0.01]))
@@ -68,7 +68,7 @@ def test_the_fallback_takes_the_place_of_what_is_not_said():
 
 
 def test_without_a_fallback_all_zeros_are_unknown():
-    """As REP-145 has it; beside what is known, and for a signal at risk, 1e6 is."""
+    """By REP-145; beside known variances, and for a signal at risk, unknown is 1e6."""
     kept = OrientationAccuracy(ENU, 0.0, 0.0)
     assert kept.matrix(1.0, 1.0) == (0.0,) * 9
     assert square(kept.matrix(100.0, 1.0)) == pytest.approx(np.diag([1e6] * 3))

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of what the answers of a Titan-M become, with literal values."""
+"""Tests of the conversion of a Titan-M's answers, with literal values."""
 
 from dataclasses import replace
 import math
@@ -37,7 +37,7 @@ def xyz(vector):
 
 
 def test_sensors_in_ros_axes():
-    """Forward, left, up; the calibrated ones are kept for imu/data."""
+    """Axes are forward, left, up; imu/data has the calibrated values."""
     out = converted(converter(), SENSORS)
     assert set(out) == {'imu/data_raw', 'imu/mag', 'static_pressure', 'differential_pressure',
                         'temperature'}
@@ -60,7 +60,7 @@ def test_sensors_in_ros_axes():
 
 
 def test_state_in_ros_axes():
-    """East, north, up; nose to the east is yaw 0; what moves with the body in its axes."""
+    """Axes are east, north, up, or those of the body; heading east is yaw 0."""
     out = converted(converter(), STATE)
     assert set(out) == {'imu/data', 'velocity', 'odometry', 'heading'}
     assert out['heading'].data == pytest.approx(90.0)
@@ -84,8 +84,8 @@ def test_state_in_ros_axes():
         == pytest.approx(25e-4)
 
 
-def test_ned_is_as_the_device_has_it():
-    """North, east, down; forward, right, down."""
+def test_ned_changes_no_axes():
+    """Axes are north, east, down, and forward, right, down."""
     parts = converter('ned')
     assert xyz(converted(parts, SENSORS)['imu/mag'].magnetic_field)[2] > 0
     out = converted(parts, STATE)
@@ -95,8 +95,8 @@ def test_ned_is_as_the_device_has_it():
 
 
 @pytest.mark.parametrize('later, joined', [(6 * MS, True), (TOGETHER_NS + MS, False)])
-def test_force_and_rate_are_those_of_the_sensor_answer_just_before(later, joined):
-    """An older one is not used."""
+def test_force_and_rate_are_those_of_the_preceding_sensor_answer(later, joined):
+    """An older answer is not used."""
     parts = converter()
     converted(parts, SENSORS)
     imu = converted(parts, STATE, STAMP + later)['imu/data']
@@ -110,7 +110,7 @@ def test_force_and_rate_are_those_of_the_sensor_answer_just_before(later, joined
 
 
 def test_fix():
-    """On the central meridian of zone 32, with assumed deviations."""
+    """The position is on the central meridian of zone 32; deviations are assumed."""
     out = converted(converter(), GPS)
     fix = out['fix']
     assert fix.longitude == pytest.approx(9.0) and fix.latitude == pytest.approx(45.15, abs=0.05)
@@ -125,7 +125,7 @@ def test_fix():
 
 @pytest.mark.parametrize('zone', [0, 61, 255])
 def test_an_invalid_zone_is_no_fix(zone):
-    """With no position that anybody could take for one."""
+    """The position is NaN."""
     parts = converter(requested={Gps, Sensors})
     out = converted(parts, replace(GPS, zone=zone))
     assert set(out) == {'fix', 'time_reference'}
@@ -137,14 +137,14 @@ def test_an_invalid_zone_is_no_fix(zone):
     assert str(parts.gps_status) == 'fix in zone 32 south'
 
 
-def test_velocity_of_the_gps_where_the_state_is_not_asked_for():
-    """Centimetres a second are enough then."""
+def test_without_state_requests_the_velocity_is_that_of_the_gps():
+    """Its resolution is a centimetre per second."""
     out = converted(converter(requested={Gps, Sensors}), GPS)
     assert xyz(out['velocity'].twist.twist.linear) == (2.0, 1.0, -3.0)
 
 
 def test_odometry_begins_with_the_first_fix():
-    """Before, the position is relative to nothing; without GPS it is unknown."""
+    """Positions are relative to the first fix."""
     parts = converter(requested={State, Gps})
     assert 'odometry' not in converted(parts, STATE)
     converted(parts, replace(GPS, zone=0))
@@ -155,8 +155,8 @@ def test_odometry_begins_with_the_first_fix():
     assert 'odometry' not in converted(parts, STATE)
 
 
-def test_where_others_ask_what_comes_tells_what_to_make_of_it():
-    """A flight whose GPS, or whose state, was not asked for is converted as it was published."""
+def test_answers_to_other_programs_determine_the_topics():
+    """A flight without GPS or state answers is converted as it was published."""
     late = STAMP + ABSENT_NS
     parts = converter(requested=None)
     assert 'velocity' not in converted(parts, GPS)               # a state may yet come
@@ -170,8 +170,8 @@ def test_where_others_ask_what_comes_tells_what_to_make_of_it():
     assert 'odometry' not in converted(parts, STATE, late + MS)
 
 
-def test_what_is_unknown_in_odometry_is_not_taken_for_certain():
-    """A deviation of 0, and a rate that is no number, have a very large variance."""
+def test_unknown_values_in_odometry_have_a_very_large_variance():
+    """A deviation of 0 and a rate of NaN are unknown."""
     unknown = converter(deviations=replace(DEVIATIONS, attitude=0.0, heading=0.0))
     odometry = converted(unknown, replace(STATE, angular_rate=(0.1, NAN, 0.3)))['odometry']
     assert [odometry.pose.covariance[i] for i in (0, 14, 21, 28, 35)] == [4.0, 16.0, *[1e6] * 3]
@@ -179,15 +179,15 @@ def test_what_is_unknown_in_odometry_is_not_taken_for_certain():
     assert odometry.twist.covariance[0] == pytest.approx(0.04)
 
 
-def test_gps_time_that_is_unknown_is_not_told():
-    """Zero without a fix."""
+def test_unknown_gps_time_is_not_published():
+    """Without a fix it is zero."""
     assert set(converted(converter(), replace(GPS, gps_time_s=0.0, zone=0))) == {'fix'}
 
 
 @pytest.mark.parametrize('stamp, options, week', [
     (STAMP, {}, 2288), (STAMP, {'gps_week': 2287}, 2288), (5 * 10 ** 9, {'gps_week': 2300}, 2300)])
 def test_utc_in_a_known_week(stamp, options, week):
-    """By the clock of the host, or by the parameter if that was never set."""
+    """The week is that of the host's clock, or of the parameter if the clock was never set."""
     parts = converter(**options)
     reference = converted(parts, GPS, stamp)['time_reference']
     assert reference.time_ref.sec == 315_964_800 + week * 604_800 + 1000 - 18
@@ -202,7 +202,7 @@ def test_a_time_of_week_alone_is_not_published():
 
 
 def test_the_week_stays_when_the_gps_time_is_lost():
-    """The time is 0 without a fix; that is not the end of a week."""
+    """Without a fix the time is 0, which is not the beginning of a week."""
     parts = converter(gps_week=2300)
     before, unknown, after = (
         converted(parts, replace(GPS, gps_time_s=time)) for time in (500_000.0, 0.0, 500_010.0))
@@ -210,8 +210,8 @@ def test_the_week_stays_when_the_gps_time_is_lost():
     assert after['time_reference'].time_ref.sec == before['time_reference'].time_ref.sec + 10
 
 
-def test_what_is_no_number_is_not_reported():
-    """Neither an attitude, nor a velocity, nor a force."""
+def test_nan_is_not_reported():
+    """This holds for attitude, velocity and force."""
     parts = converter()
     converted(parts, replace(SENSORS, acceleration=(NAN, 0.0, 0.0)))
     out = converted(parts, replace(STATE, attitude=(NAN, 0.0, 0.0), velocity_ned=(0.0, NAN, 0.0)))
@@ -226,7 +226,7 @@ def test_what_is_no_number_is_not_reported():
 
 
 def test_declination_turns_yaw_and_not_the_heading():
-    """Ten degrees east."""
+    """The declination is ten degrees east."""
     out = converted(converter(declination=math.radians(10.0)), STATE)
     assert out['heading'].data == pytest.approx(90.0)
     yaw = 2 * math.atan2(out['imu/data'].orientation.z, out['imu/data'].orientation.w)

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""GPS time of week to UTC, by the clock of the host or by the week that the user gave."""
+"""Tests of GPS time of week to UTC, by the host's clock or the parameter gps.week."""
 
 from datetime import datetime, timezone
 
@@ -20,7 +20,7 @@ def utc(microseconds):
 
 
 def nanoseconds(week, time_of_week_s):
-    """Return what a host clock that is right shows at a GPS time."""
+    """Return the time of a correct host clock at a GPS time."""
     return (GPS_EPOCH_S - LEAP + week * WEEK) * 10 ** 9 + round(time_of_week_s * 10 ** 9)
 
 
@@ -30,7 +30,7 @@ TIMES = st.integers(0, WEEK * 1000 - 1).map(lambda milliseconds: milliseconds / 
 @given(week=st.integers(2087, 3000), time=TIMES, given_week=st.integers(0, 3000),
        wrong_s=st.integers(-WEEK // 2 + 1, WEEK // 2 - 1))
 def test_the_week_is_the_nearest_to_the_clock_of_the_host(week, time, given_week, wrong_s):
-    """Wrong by up to half a week, it still determines the week, for any gps.week."""
+    """The host's clock may be wrong by half a week, and gps.week may have any value."""
     gps, host_ns = GpsTime(given_week, LEAP), nanoseconds(week, time + wrong_s)
     if host_ns >= EARLIEST_HOST_NS:
         assert gps.utc_us(time, host_ns) == round(nanoseconds(week, time) / 10 ** 6) * 1000
@@ -38,7 +38,7 @@ def test_the_week_is_the_nearest_to_the_clock_of_the_host(week, time, given_week
 
 
 def test_a_stale_week_is_reported_once():
-    """And in the diagnostics as long as it lasts."""
+    """The diagnostics report it as long as it lasts."""
     gps = GpsTime(2400, LEAP)
     for time in (5.0, 6.0):
         assert utc(gps.utc_us(time, nanoseconds(2401, time))) == datetime(
@@ -51,7 +51,7 @@ def test_a_stale_week_is_reported_once():
 
 
 def test_a_week_that_ends_is_not_stale():
-    """It was that of the start."""
+    """gps.week was right at the start."""
     gps = GpsTime(2400, LEAP)
     last = gps.utc_us(604_799.9, nanoseconds(2400, 604_799.9))
     assert gps.utc_us(604_799.8, nanoseconds(2400, 604_799.8)) == last - 100_000
@@ -60,7 +60,7 @@ def test_a_week_that_ends_is_not_stale():
 
 
 def test_a_host_without_a_clock_needs_the_week():
-    """It goes on when the time of week begins again, not when a message is a little old."""
+    """The next week begins when the time of week restarts, not when a message is a little old."""
     gps = GpsTime(2400, LEAP)
     assert utc(gps.utc_us(0.0, NO_CLOCK)) == datetime(
         2026, 1, 3, 23, 59, 42, tzinfo=timezone.utc)
@@ -71,7 +71,7 @@ def test_a_host_without_a_clock_needs_the_week():
 
 
 def test_without_week_and_clock_there_is_no_time():
-    """A time of week would be one of 1970. It is known as soon as the clock is set."""
+    """The time is known as soon as the clock is set."""
     gps = GpsTime(0, LEAP)
     assert gps.utc_us(376_038.084, NO_CLOCK) is None
     assert 'time_reference is not published: set the clock of the host, or gps.week' \
@@ -81,8 +81,8 @@ def test_without_week_and_clock_there_is_no_time():
     assert gps.problem == '' and gps.take_notices() == []
 
 
-def test_what_is_no_time():
-    """Beyond the week, and beyond what a message holds."""
+def test_impossible_times():
+    """They are beyond the week, or beyond the range of a ROS time."""
     assert GpsTime(2400, LEAP).utc_us(700_000.0, NO_CLOCK) is None
     assert GpsTime(3028, LEAP).utc_us(604_000.0, NO_CLOCK) is None
     latest = GpsTime(3000, LEAP).utc_us(604_799.0, NO_CLOCK)
