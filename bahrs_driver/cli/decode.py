@@ -24,9 +24,9 @@ from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.protocol.message import Message
-from bahrs_driver.reprocess.decode import decode_stream, with_device_time
+from bahrs_driver.reprocess.decode import decode_stream
 from bahrs_driver.reprocess.decoding_faults import DecodingFaults
-from bahrs_driver.reprocess.message_times import TimedMessage
+from bahrs_driver.reprocess.message_times import TimedMessage, with_device_time
 
 _CHUNK = 65536          # bytes
 TIME = 'device_time_us'

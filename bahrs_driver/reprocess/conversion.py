@@ -22,8 +22,8 @@ from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.spec import AnyDevice
 from bahrs_driver.pipeline import Unstamped
 from bahrs_driver.reprocess import replay_diagnostics
-from bahrs_driver.reprocess.byte_times import DeviceTimed
 from bahrs_driver.reprocess.decoding_faults import DecodingFaults
+from bahrs_driver.reprocess.device_time_capture import DeviceTimeCapture
 from bahrs_driver.reprocess.ordered_writer import OrderedWriter
 from bahrs_driver.reprocess.replay_diagnostics import ReplayDiagnostics
 from bahrs_driver.reprocess.topic_writers import TopicWriter
@@ -98,7 +98,7 @@ class Conversion:
         """Return the capture with times, and a clock for it if that of the parts is not enough."""
         parts = self._make_parts()
         if not self._capture.timed and self._spec.roles:
-            timed = DeviceTimed(
+            timed = DeviceTimeCapture(
                 self._capture, self._spec.roles,
                 lambda: self._make_parts().pipeline(Unstamped()),
                 parts.time_label, self._start_ns, progress)

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Decode bytes into typed messages, with the device time of each where the stream tells it."""
+"""Decode bytes into typed messages, with the device time of each where it is known."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -10,9 +10,8 @@ from bahrs_driver.devices.stream_decoder import AnyDecoder
 from bahrs_driver.pipeline import Event, Pipeline
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.message import Message
-from bahrs_driver.protocol.message_roles import MessageRoles
 from bahrs_driver.reprocess.decoding_faults import DecodingFaults
-from bahrs_driver.reprocess.message_times import TimedMessage, with_times
+from bahrs_driver.reprocess.message_times import TimedMessage, with_device_time
 
 
 def decode(chunks: Iterable[bytes], device: str = DEFAULT,
@@ -45,11 +44,3 @@ def _events(chunks: Iterable[bytes], pipeline: Pipeline) -> Iterator[Sequence[Ev
     for chunk in chunks:
         yield pipeline.feed(chunk)
     yield pipeline.close()
-
-
-def with_device_time(messages: Iterable[tuple[Frame, Message]], roles: MessageRoles | None
-                     ) -> Iterator[TimedMessage]:
-    """Yield the messages of a stream with their device time, None where it is unknown."""
-    if roles:
-        return with_times(messages, roles)
-    return (TimedMessage(frame, message, None) for frame, message in messages)

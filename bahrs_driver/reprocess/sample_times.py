@@ -8,25 +8,26 @@ time is linear: those samples have a certain time, and so have the samples befor
 after the last anchor, up to the nearest gap in the counters. Two anchors may contradict each
 other. The device was restarted (less time passed than the samples in between take), it paused or
 so many frames were lost that the counter wrapped (more time passed), or a time message was wrong.
-As in the live clock, a single anchor is not trusted against others.
+As in the live clock, a single anchor is not trusted against others: it begins a candidate for
+another timeline, which replaces the present one if the next anchor agrees with it.
 
 `bahrs decode` uses certain times only. `bahrs convert` needs a time for each sample: it places the
 change where the counters jump, or else right before the sample of the second anchor, extrapolates
 at the period of the device, and uses the nominal period for a stream without any time message.
 """
 
-from bisect import bisect_right
 from collections import deque
 from typing import NamedTuple
 
 from bahrs_driver.clock.timeline import PERIOD_TOLERANCE, Timeline
+from bahrs_driver.reprocess.count_ranges import CountRanges
+from bahrs_driver.reprocess.segments import Segment, Segments
 from bahrs_driver.units import COUNTER_MODULUS, NS_PER_S, ROS_TIME_END_S
 
 RESTART_DURATION = NS_PER_S         # assumed
 LONGEST_PAUSE = 30 * 86_400 * NS_PER_S      # ns; a clock that is further ahead was set
 LATEST_TIME = ROS_TIME_END_S * NS_PER_S
 MOST_JUMPS = 1000                   # since the latest anchor
-MOST_STRETCHES = 1000               # kept behind the sample that was last asked for
 FIRST, LAST = -2 ** 62, 2 ** 62     # counts before and after all others
 
 
@@ -36,6 +37,10 @@ class Anchor(NamedTuple):
     sample: int             # its count
     time: int               # device time in ns
     received: int           # samples received before the time message
+
+    def agrees(self, timeline: Timeline | None) -> bool:
+        """Return whether there is a timeline and the anchor fits it."""
+        return timeline is not None and timeline.agrees(self.sample, self.time)
 
 
 class Jump(NamedTuple):
@@ -52,28 +57,6 @@ class Jump(NamedTuple):
         return (self.before + self.after) // 2
 
 
-class Stretch(NamedTuple):
-    """Samples whose time is linear, up to the begin of the next stretch."""
-
-    begin: int              # count of its first sample
-    sample: int             # count of a sample whose time is known
-    time: int               # device time of that sample, in ns
-    elapsed: int            # ns of so many samples
-    samples: int
-    offset: int = 0         # ROS time minus device time, in ns
-
-    def time_of(self, count: int) -> int:
-        """Return the device time of a sample."""
-        return self.time + (count - self.sample) * self.elapsed // self.samples
-
-
-class Span(NamedTuple):
-    """Counts of samples with a certain time, both included."""
-
-    first: int
-    last: int
-
-
 class SampleTimes:
     """Computes the device time of each sample from that of some samples."""
 
@@ -81,181 +64,171 @@ class SampleTimes:
         """Expect samples of a nominal period in ns."""
         self._period = period
         self.epochs = 0
-        self.rejected = 0                   # anchors that contradicted
-        self._begin = FIRST                 # of the next first stretch
+        self.rejected = 0                   # anchors that contradicted the timeline
+        self._begin = FIRST                 # of the first segment after discarded anchors
         self._jumps: deque[Jump] = deque(maxlen=MOST_JUMPS)     # since the latest anchor
-        self._line: Timeline | None = None
+        self._timeline: Timeline | None = None
+        self._latest = Anchor(FIRST, 0, 0)              # of the timeline
         self._candidate: Timeline | None = None
-        self._latest = self._doubted = Anchor(FIRST, 0, 0)      # of the line, of the candidate
-        self._stretches: list[Stretch] = []
-        self._begins: list[int] = []
-        self._certain: deque[Span] = deque()
+        self._contradicting = self._latest              # the only anchor of the candidate
+        self._segments = Segments()
+        self._certain = CountRanges()
 
-    # A stream as it arrives.
+    # For a stream as it arrives:
 
-    def jump(self, jump: Jump) -> None:
+    def add_jump(self, jump: Jump) -> None:
         """Add a place at which device time may jump."""
         self._jumps.append(jump)
 
-    def anchor(self, anchor: Anchor) -> None:
+    def add_anchor(self, anchor: Anchor) -> None:
         """Add the device time of a sample, in the order of the stream."""
-        sample, time, _ = anchor
-        line, candidate = self._line, self._candidate
-        if line and line.agrees(sample, time):
-            self._extend(line, anchor)
+        if anchor.agrees(self._timeline):
+            self._extend(anchor)
             self._candidate = None
-        elif candidate and candidate.agrees(sample, time) and time != self._doubted.time:
-            self._adopt(candidate)
-            self._extend(candidate, anchor)
-        elif not (candidate and self._doubted[:2] == (sample, time)):
-            self.rejected += line is not None
-            if candidate and not line and (
-                    time > candidate.time_of(sample) or self._crossing(
-                        self._doubted, anchor)):
-                self._adopt(candidate)
-            self._candidate, self._doubted = Timeline(sample, time, self._period), anchor
+        elif anchor.agrees(self._candidate) and anchor.time != self._contradicting.time:
+            self._adopt_candidate()
+            self._extend(anchor)
+        elif not self._candidate or self._contradicting[:2] != anchor[:2]:
+            self._begin_candidate(anchor)
 
-    def discard(self, count: int) -> None:
+    def discard_anchors(self, count: int) -> None:
         """Discard all anchors: samples up to this one get no certain time any more."""
-        self._line = self._candidate = None
+        self._timeline = self._candidate = None
         self._latest, self._begin = Anchor(count, 0, 0), count + 1
         self._jumps.clear()
 
-    def decided(self, count: int) -> bool:
-        """Whether later anchors cannot change the time of a sample."""
+    def is_final(self, count: int) -> bool:
+        """Return whether later anchors cannot change the time of a sample."""
         return count <= self._latest.sample
 
     def certain_time(self, count: int) -> int | None:
-        """Return the device time of a sample in ns, if it is certain; counts must ascend."""
-        while self._certain and self._certain[0].last < count:
-            self._certain.popleft()
-        if not self._certain or count < self._certain[0].first:
+        """Return the device time of a sample in ns, None if uncertain; counts must ascend."""
+        if not self._certain.contains(count):
             return None
-        passed = bisect_right(self._begins, count) - 1
-        if passed > MOST_STRETCHES:
-            del self._stretches[:passed], self._begins[:passed]
-        return self.stretch(count).time_of(count)
+        self._segments.discard_before(count)
+        return self._segments.at(count).time_of(count)
 
-    def end(self) -> None:
-        """End the stream: the time after the latest anchor is certain up to the next jump."""
-        if self._line and self._candidate:
+    def end_stream(self) -> None:
+        """Make the time after the latest anchor certain up to the next jump."""
+        if self._timeline and self._candidate:
             return
         if self._candidate:
-            self._adopt(self._candidate)
-        if self._line:
-            self._add_certain(self._latest.sample, min(
+            self._adopt_candidate()
+        if self._timeline:
+            self._certain.add(self._latest.sample, min(
                 (jump.before for jump in self._jumps if jump.before >= self._latest.sample),
                 default=LAST))
 
-    # A whole stream.
+    # For a stream that has ended:
 
-    def finish(self, start: int | None, first: int) -> None:
+    def assign_ros_times(self, start: int | None, first: int) -> None:
         """
         Give each sample a ROS time. first is the count of the first sample.
 
         start is the ROS time of the first anchor, in ns; without it ROS time is device time.
         """
         if self._candidate and (
-                self._line is None or self._crossing(self._latest, self._doubted)):
-            self._adopt(self._candidate)
-        if self._line:
-            self._extend_to_the_end(self._line)
+                self._timeline is None or self._find_jump(self._latest, self._contradicting)):
+            self._adopt_candidate()
+        if self._timeline:
+            self._extrapolate(self._timeline)
         else:
-            self._add(Stretch(FIRST, 0, 0, self._period, 1))
-        head = self._stretches[0]
-        shift = 0 if start is None else start - head.time
-        if start is None and max(
-                stretch.time + stretch.offset for stretch in self._stretches) >= LATEST_TIME:
-            shift = -head.time
-        shift = max(shift, -head.time_of(first))
-        self._stretches = [item._replace(offset=item.offset + shift) for item in self._stretches]
+            self._segments.add(Segment(FIRST, 0, 0, self._period, 1))
+        head = self._segments.first
+        if start is not None:
+            offset = start - head.time
+        else:
+            offset = -head.time if self._segments.latest_ros_time() >= LATEST_TIME else 0
+        self._segments.shift(max(offset, -head.time_of(first)))
 
-    def stretch(self, count: int) -> Stretch:
-        """Return the stretch of a sample."""
-        return self._stretches[max(0, bisect_right(self._begins, count) - 1)]
+    def segment(self, count: int) -> Segment:
+        """Return the segment of a sample."""
+        return self._segments.at(count)
 
     def ros_time(self, count: int) -> int:
         """Return the ROS time of a sample, in ns."""
-        stretch = self.stretch(count)
-        return stretch.time_of(count) + stretch.offset
+        segment = self._segments.at(count)
+        return segment.time_of(count) + segment.offset
 
-    def _extend(self, line: Timeline, anchor: Anchor) -> None:
-        """Continue to an anchor that agrees."""
-        before = self._latest
+    def _extend(self, anchor: Anchor) -> None:
+        """Continue the timeline to an anchor that agrees."""
+        before, last = self._latest, self._segments.last
         samples, elapsed = anchor.sample - before.sample, anchor.time - before.time
-        if samples <= 0:
+        if samples <= 0 or not self._timeline:
             return
         self._latest = anchor
-        line.accept(anchor.sample, anchor.time)
-        self._add_certain(before.sample, anchor.sample)
-        last = self._stretches[-1]
+        self._timeline.accept(anchor.sample, anchor.time)
+        self._certain.add(before.sample, anchor.sample)
         if (last.sample, last.time) == before[:2]:
-            self._stretches[-1] = last._replace(elapsed=elapsed, samples=samples)
+            self._segments.replace_last(last._replace(elapsed=elapsed, samples=samples))
         elif last.time_of(anchor.sample) != anchor.time:
-            self._add(last._replace(begin=before.sample, sample=before.sample, time=before.time,
-                                    elapsed=elapsed, samples=samples))
+            self._add_segment(before, elapsed, samples)
         while self._jumps and self._jumps[0].after <= anchor.sample:
             self._jumps.popleft()
 
-    def _add_certain(self, first: int, last: int) -> None:
-        if self._certain and self._certain[-1].last == first:
-            first = self._certain.pop().first
-        self._certain.append(Span(first, last))
+    def _add_segment(self, anchor: Anchor, elapsed: int, samples: int) -> None:
+        """Add a segment that begins at an anchor of the last one."""
+        self._segments.add(self._segments.last._replace(
+            begin=anchor.sample, sample=anchor.sample, time=anchor.time,
+            elapsed=elapsed, samples=samples))
 
-    def _extend_to_the_end(self, line: Timeline) -> None:
-        """Extrapolate from the latest anchor at the period of the device."""
-        sample, time, _ = self._latest
-        last, later = self._stretches[-1], sample + COUNTER_MODULUS
-        if last.time_of(later) != line.time_of(later):
-            self._add(last._replace(begin=sample, sample=sample, time=time,
-                                    elapsed=line.time_of(later) - time, samples=COUNTER_MODULUS))
+    def _extrapolate(self, timeline: Timeline) -> None:
+        """Continue from the latest anchor at the period of the device."""
+        later = self._latest.sample + COUNTER_MODULUS
+        if self._segments.last.time_of(later) != timeline.time_of(later):
+            self._add_segment(self._latest, timeline.time_of(later) - self._latest.time,
+                              COUNTER_MODULUS)
 
-    def _adopt(self, candidate: Timeline) -> None:
-        """Continue from the doubted anchor, in another epoch if there was a line."""
-        anchor = self._doubted
-        if self._line is None:
-            self._certain.append(Span(max(
-                (jump.after for jump in self._jumps if jump.after <= anchor.sample),
-                default=self._begin), anchor.sample))
-            self._add(Stretch(self._begin, anchor.sample, anchor.time, self._period, 1))
-            self.epochs += 1
+    def _begin_candidate(self, anchor: Anchor) -> None:
+        """Begin a candidate, instead of the present one, with an anchor that contradicts both."""
+        if self._timeline:
+            self.rejected += 1
+        elif self._candidate and (anchor.time > self._candidate.time_of(anchor.sample)
+                                  or self._find_jump(self._contradicting, anchor)):
+            self._adopt_candidate()         # it was right, and time jumped after it
+        self._candidate = Timeline(anchor.sample, anchor.time, self._period)
+        self._contradicting = anchor
+
+    def _adopt_candidate(self) -> None:
+        """Replace the timeline by the candidate, in another epoch if there was a timeline."""
+        anchor = self._contradicting
+        if self._timeline:
+            self._add_discontinuity(self._timeline, anchor)
         else:
-            self._certain.append(Span(anchor.sample + 1, anchor.sample))
-            self._cross(self._line, anchor)
-        self._line, self._latest, self._candidate = candidate, anchor, None
+            self._certain.add(max((jump.after for jump in self._jumps
+                                   if jump.after <= anchor.sample), default=self._begin) - 1,
+                              anchor.sample)
+            self._segments.add(Segment(self._begin, anchor.sample, anchor.time, self._period, 1))
+            self.epochs += 1
+        self._timeline, self._latest, self._candidate = self._candidate, anchor, None
         while self._jumps and self._jumps[0].before < anchor.sample:
             self._jumps.popleft()
 
-    def _cross(self, line: Timeline, anchor: Anchor) -> None:
+    def _add_discontinuity(self, timeline: Timeline, anchor: Anchor) -> None:
         """Find where time jumps between the latest anchor and another one."""
-        self._extend_to_the_end(line)
-        last, latest = self._stretches[-1], self._latest
-        jump = self._crossing(latest, anchor) or Jump(
-            anchor.sample - 1, anchor.sample, 0, False)
+        self._extrapolate(timeline)
+        last, latest = self._segments.last, self._latest
+        jump = self._find_jump(latest, anchor) or Jump(anchor.sample - 1, anchor.sample, 0, False)
         ended = last.time_of(jump.before)
         begins = anchor.time - (anchor.sample - jump.after) * self._period
-        new = Stretch(jump.middle if jump.power_on else jump.after, anchor.sample, anchor.time,
+        new = Segment(jump.middle if jump.power_on else jump.after, anchor.sample, anchor.time,
                       self._period, 1, last.offset)
         if self._restarted(latest, anchor) or begins - ended > LONGEST_PAUSE:
             self.epochs += 1
-            self._add(new._replace(offset=last.offset + ended + RESTART_DURATION - begins))
+            self._segments.add(new._replace(
+                offset=last.offset + ended + RESTART_DURATION - begins))
         elif begins > ended:
-            self._add(new)
+            self._segments.add(new)
         else:                   # implausible counters: less time passed than their samples take
-            self._add(last._replace(begin=latest.sample, sample=latest.sample, time=latest.time,
-                                    elapsed=anchor.time - latest.time,
-                                    samples=max(1, anchor.sample - latest.sample)))
-
-    def _add(self, stretch: Stretch) -> None:
-        self._stretches.append(stretch)
-        self._begins.append(stretch.begin)
+            self._add_segment(latest, anchor.time - latest.time,
+                              max(1, anchor.sample - latest.sample))
 
     def _restarted(self, before: Anchor, after: Anchor) -> bool:
         """Return whether less time passed than the received samples take."""
         elapsed, received = after.time - before.time, after.received - before.received - 1
         return elapsed < 0 or elapsed < received * self._period * (1 - PERIOD_TOLERANCE)
 
-    def _crossing(self, before: Anchor, after: Anchor) -> Jump | None:
+    def _find_jump(self, before: Anchor, after: Anchor) -> Jump | None:
         """Return the jump of the counters at which time may have jumped between two anchors."""
         between = [jump for jump in self._jumps
                    if before.sample < jump.after and jump.before < after.sample]

@@ -7,7 +7,7 @@ from bahrs_driver.protocol.bahrs.messages import (
 )
 from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.reprocess.message_times import MOST_HELD, with_times
+from bahrs_driver.reprocess.message_times import MOST_HELD, with_device_time
 from hypothesis import given, strategies as st
 import pytest
 
@@ -34,7 +34,7 @@ def stream(samples, start=START, ahead=1, ppm=0, first=0):
 
 def times(found):
     """Return the computed and the true time of each message of a stream."""
-    made = [*with_times(((None, message) for message, _ in found), ROLES)]
+    made = [*with_device_time(((None, message) for message, _ in found), ROLES)]
     assert [message for _, message, _ in made] == [message for message, _ in found]
     return [(time, true) for (*_, time), (_, true) in zip(made, found)]
 
@@ -106,7 +106,7 @@ def test_a_stream_without_time_messages_is_held_to_a_limit():
                 taken += 1
                 yield None, message
 
-    for index, (_, _, time) in enumerate(with_times(source(), ROLES)):
+    for index, (_, _, time) in enumerate(with_device_time(source(), ROLES)):
         assert time is None and taken <= index + MOST_HELD + 1
 
 
@@ -120,4 +120,4 @@ def test_messages_leave_within_a_tenth_of_a_second():
             taken += 1
             yield None, message
 
-    assert max(taken - index for index, _ in enumerate(with_times(source(), ROLES))) < 80
+    assert max(taken - index for index, _ in enumerate(with_device_time(source(), ROLES))) < 80

@@ -20,16 +20,17 @@ from bahrs_driver.clock.time_reference import Label
 from bahrs_driver.pipeline import Pipeline, Stamped
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.message_roles import MessageRoles
-from bahrs_driver.reprocess.byte_clock import ByteClock
-from bahrs_driver.reprocess.counted_stream import CountedStream
+from bahrs_driver.reprocess.device_time_clock import DeviceTimeClock
+from bahrs_driver.reprocess.stream_counter import StreamCounter
 from bahrs_driver.units import NS_PER_MS
 
 READ_DELAY = 20 * NS_PER_MS     # longer than from a sample to any message about it
 SAMPLES = 20                    # per chunk
 LONG_GAP = 60                   # missing samples
+END_OF_STREAM = 2 ** 63         # bytes
 
 
-class DeviceTimed(Capture):
+class DeviceTimeCapture(Capture):
     """A capture with read times computed from device time."""
 
     timed = True
@@ -44,57 +45,62 @@ class DeviceTimed(Capture):
         label is the convention of time messages, start_ns the ROS time of the first one.
         """
         super().__init__(capture.path, capture.size)
-        self._inner, self._roles = capture, roles
+        self._source, self._roles = capture, roles
         for kind in (roles.sample, roles.navigation):
-            self._stream = CountedStream(roles, kind, label)
-            # Of each chunk: its end, and the count of its last sample.
-            self._ends, self._counts = array('q'), array('q')
+            self._stream = StreamCounter(roles, kind, label)
+            # Of each chunk: the offset of its end, and the count of its last sample.
+            self._chunk_ends, self._chunk_counts = array('q'), array('q')
             # Of each sample whose count does not follow: its number, its count and its counter.
             self._jumps = array('q'), array('q'), array('B')
-            self._received = 0
-            for played in feed_capture(capture, make_pipeline(), LogClock()):
+            self._received = 0          # samples
+            for fed in feed_capture(capture, make_pipeline(), LogClock()):
                 progress('looking for times')
-                for event in played.events:
+                for event in fed.events:
                     if isinstance(event, Stamped):
                         self._examine(event.frame, event.message)
-            if self._stream.before:
+            if self._stream.origin:
                 break
-        self._stream.finish(start_ns)
+        self._stream.assign_ros_times(start_ns)
 
-    def clock(self, fixed_latency: int) -> ByteClock:
+    def clock(self, fixed_latency: int) -> DeviceTimeClock:
         """Return a clock for the messages that subtracts fixed_latency ns from each stamp."""
         jumps = ((number, CountedSequence(count, sequence))
                  for number, count, sequence in zip(*self._jumps))
-        return ByteClock(self._roles, self._stream, jumps, fixed_latency)
+        return DeviceTimeClock(self._roles, self._stream, jumps, fixed_latency)
 
     def chunks(self) -> Iterator[Chunk]:
-        """Return all bytes, cut before samples."""
-        buffer, begin, times = bytearray(), 0, self._stream.times
-        cuts = chain(zip(self._ends, self._counts), [(2 ** 63, self._stream.count)])
-        end, count = next(cuts)
-        for piece in self._inner.chunks():
-            self.done = self._inner.done
+        """Yield all bytes, cut before samples."""
+        buffer, begin = bytearray(), 0          # bytes of the next chunk, and their offset
+        chunks = chain(zip(self._chunk_ends, self._chunk_counts),
+                       [(END_OF_STREAM, self._stream.count)])
+        end, count = next(chunks)
+        for piece in self._source.chunks():
+            self.done = self._source.done
             buffer += piece.data
             while begin + len(buffer) >= end:
                 length = end - begin
-                yield Chunk(bytes(buffer[:length]), times.ros_time(count) + READ_DELAY)
+                yield self._chunk(buffer[:length], count)
                 del buffer[:length]
                 begin = end
-                end, count = next(cuts)
+                end, count = next(chunks)
         if buffer:
-            yield Chunk(bytes(buffer), times.ros_time(count) + READ_DELAY)
+            yield self._chunk(buffer, count)
+
+    def _chunk(self, data: bytearray, count: int) -> Chunk:
+        return Chunk(bytes(data), self._stream.times.ros_time(count) + READ_DELAY)
 
     def _examine(self, frame: Frame, message: Any) -> None:
         stream = self._stream
         before = stream.count
-        stream.take(message)
+        stream.observe(message)
         if type(message) is not stream.kind:
             return
-        if stream.count - before != stream.step:
+        ahead = stream.count - before
+        if ahead != stream.step:
             for column, value in zip(self._jumps,
                                      (self._received, stream.count, message.sequence)):
                 column.append(value)
         self._received += 1
-        if stream.count - before > LONG_GAP or before % SAMPLES < stream.step:
-            self._ends.append(frame.offset)
-            self._counts.append(before)
+        if ahead > LONG_GAP or before % SAMPLES < stream.step:
+            self._chunk_ends.append(frame.offset)
+            self._chunk_counts.append(before)

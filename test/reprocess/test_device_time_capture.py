@@ -16,7 +16,7 @@ from bahrs_driver.protocol.bahrs.messages import (
 )
 from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.framing import Framer
-from bahrs_driver.reprocess.byte_times import DeviceTimed
+from bahrs_driver.reprocess.device_time_capture import DeviceTimeCapture
 from bahrs_driver.reprocess.sample_times import RESTART_DURATION
 from bahrs_driver.virtual_serial.faults import Faults
 from hypothesis import example, given, settings, strategies as st
@@ -47,7 +47,7 @@ def stamped(data, start=None, size=1000, label='auto', latency=0):
     def make_pipeline(clock=None):
         return Pipeline(Framer(BahrsFormat()), BahrsCodec(), clock)
 
-    timed = DeviceTimed(
+    timed = DeviceTimeCapture(
         Bytes(data, size=size), ROLES, make_pipeline, label, start, lambda what: None)
     pipeline, found, chunks = make_pipeline(timed.clock(latency)), [], []
     for chunk in timed.chunks():
