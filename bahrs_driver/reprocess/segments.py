@@ -32,12 +32,12 @@ class Segments:
 
     @property
     def first(self) -> Segment:
-        """The segment of the first samples."""
+        """Segment of the first samples."""
         return self._items[0]
 
     @property
     def last(self) -> Segment:
-        """The segment of the last samples."""
+        """Segment of the last samples."""
         return self._items[-1]
 
     def add(self, segment: Segment) -> None:
