@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The verbs that are nodes end whatever the host clock does."""
+"""Tests of verbs that are ROS nodes, with a host clock that is set back."""
 
 import signal
 
@@ -16,8 +16,8 @@ HOUR = 3600.0           # s
 
 @pytest.mark.parametrize('kind', [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize('verb', ['record', 'monitor'])
-def test_the_host_clock_is_set_back(tmp_path, verb, kind):
-    """The middleware hangs for an hour when a node is destroyed then; the verb does not."""
+def test_verbs_end_after_the_host_clock_is_set_back(tmp_path, verb, kind):
+    """Destroying a node then hangs in the middleware; the verb ends nevertheless."""
     clock = SettableClock(tmp_path)
     words = {'record': ['-o', str(tmp_path / 'bag')], 'monitor': ['--json']}[verb]
     with PtyPort() as port, Device(port), listening(TOPICS) as ear, driver(port.path), \

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of `bahrs convert`: against the live node, twice, and what it refuses."""
+"""Tests of `bahrs convert`."""
 
 from collections import defaultdict
 import csv
@@ -32,13 +32,13 @@ NEAR = 10 * S    # ns; a live stamp is what was known then, on a busy machine
 
 
 def convert(*words):
-    """Run the verb in this process; return its exit status and what it printed."""
+    """Run the verb in this process; return its exit status and output."""
     status, out, error = run_bahrs('convert', *words)
     return status, error + out
 
 
 def read(folder):
-    """Return the messages of a bag by topic, as rosbags and the MCAP library alike read them."""
+    """Return the messages of a bag by topic, read equally by rosbags and the MCAP library."""
     found, by_mcap = defaultdict(list), defaultdict(list)
     with Reader(folder) as reader:
         topics = {connection.topic: connection.msgtype for connection in reader.connections}
@@ -67,7 +67,7 @@ def decoded(topics, topic, items):
 
 
 def listened(folder):
-    """Return whether a bag that is being written has all topics, and a message."""
+    """Return whether a bag that is being written has all topics and a message."""
     try:
         with Reader(folder) as reader:
             names = {connection.topic for connection in reader.connections}
@@ -78,14 +78,14 @@ def listened(folder):
 
 @pytest.fixture
 def byte_file(tmp_path):
-    """Give a file of five seconds of a device."""
+    """Return a file with five seconds of a stream."""
     file = tmp_path / 'flight.bin'
     file.write_bytes(b''.join(item.data for item in emissions(make_device(), 5.0)))
     return file
 
 
-def test_what_the_node_published_is_made_again(tmp_path):
-    """Every topic, with equal values in equal number and nearly equal stamps."""
+def test_topics_of_the_node_are_regenerated(tmp_path):
+    """All topics have the same messages, with nearly equal stamps."""
     live, made = tmp_path / 'live', tmp_path / 'made'
     with PtyPort() as port, driver(port.path, publish__raw=True, **DEEP), running(
             'bahrs', 'record', '-o', str(live)) as recorder:
@@ -116,8 +116,8 @@ def test_what_the_node_published_is_made_again(tmp_path):
                        for old, new in zip(stamps[skip:], new_stamps[begin:]))
 
 
-def test_twice_is_the_same(byte_file, tmp_path):
-    """To the byte; the JSON object has the counts."""
+def test_two_conversions_are_identical(byte_file, tmp_path):
+    """All bytes are equal, and the JSON object has the counts."""
     for parent in ('one', 'two'):
         status, text = convert(byte_file, tmp_path / parent / 'bag', '--json')
         assert status == 0
@@ -130,8 +130,8 @@ def test_twice_is_the_same(byte_file, tmp_path):
             tmp_path / 'two' / 'bag' / name).read_bytes()
 
 
-def test_csv(byte_file, tmp_path):
-    """A file a topic, a column a field, a row a message."""
+def test_csv_files(byte_file, tmp_path):
+    """There is one file per topic, one column per field, and one row per message."""
     status, _ = convert(byte_file, tmp_path / 'csv', '--as', 'csv', '--start',
                         '2026-05-01T12:00:00Z', '-p', 'frame_convention:=ned')
     assert status == 0
@@ -151,7 +151,7 @@ def test_csv(byte_file, tmp_path):
 
 @pytest.mark.parametrize('plugin', StoragePlugin)
 def test_a_clock_that_was_set_back_while_recording(tmp_path, plugin):
-    """Order and spacing are kept, and the step is reported, to people and to scripts."""
+    """Order and spacing are kept, and the step is reported as text and JSON."""
     items, begin = [], 1_700_000_000 * S
     for index, emission in enumerate(emissions(make_device(), 5.0)):
         at = round(emission.time * S)
@@ -175,7 +175,7 @@ def test_a_clock_that_was_set_back_while_recording(tmp_path, plugin):
 
 
 def test_namespace(byte_file, tmp_path):
-    """It is put before all topics."""
+    """It precedes all topics."""
     assert convert(byte_file, tmp_path / 'bag', '--namespace', 'uav1')[0] == 0
     topics, _ = read(tmp_path / 'bag')
     made = (*TOPICS, 'nvm/page')
@@ -196,8 +196,8 @@ def test_namespace(byte_file, tmp_path):
     (['FILE', 'OUT', '--start', 'noon'], 2, "'noon' is not a time"),
     (['FILE', 'OUT', '--start', '-5'], 2, 'before 1970'),
 ])
-def test_what_is_refused(byte_file, tmp_path, words, status, sentence):
-    """With a sentence, and nothing is left behind."""
+def test_errors(byte_file, tmp_path, words, status, sentence):
+    """Each is one sentence, and no output remains."""
     (tmp_path / 'noise').write_bytes(bytes(range(256)) * 20)
     names = {'FILE': byte_file, 'OUT': tmp_path / 'out', 'NOISE': tmp_path / 'noise'}
     found, text = convert(*(names.get(word, word) for word in words))
@@ -206,7 +206,7 @@ def test_what_is_refused(byte_file, tmp_path, words, status, sentence):
 
 
 def test_options_without_effect_are_listed(byte_file, tmp_path):
-    """And parameters, each with the reason."""
+    """So are parameters, each with the reason."""
     status, text = convert(byte_file, tmp_path / 'out', '--as', 'csv', '--topic', '/raw',
                            '--namespace', 'left', '-p', 'port:=/dev/x', '-p', 'gps.week:=5')
     assert status == 0
@@ -217,13 +217,13 @@ def test_options_without_effect_are_listed(byte_file, tmp_path):
 
 
 def test_no_port_is_created(byte_file, tmp_path):
-    """A port that does not exist has no effect, and a sentence reports that."""
+    """The parameter port has no effect, which is reported."""
     status, text = convert(byte_file, tmp_path / 'out', '-p', 'port:=socket://x')
     assert status == 0 and 'settings without effect: port (it is for a port)' in text
 
 
-def test_rates_of_requests_are_refused_for_what_was_recorded(tmp_path):
-    """With a rate, no answer would match a request."""
+def test_request_rates_are_refused_for_a_recording(tmp_path):
+    """No recorded answer would match a request."""
     with BagWriter(tmp_path / 'bag') as bag:
         bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
         label = ReadMetadata('titan_m', 1, 0, 1, 1).to_label()
@@ -232,8 +232,8 @@ def test_rates_of_requests_are_refused_for_what_was_recorded(tmp_path):
     assert status == 1 and '-p gps.rate:=10: it can only be 0' in text
 
 
-def test_a_topic_that_is_not_there(tmp_path):
-    """The sentence names the existing one."""
+def test_a_missing_topic(tmp_path):
+    """The message names the existing topic."""
     with BagWriter(tmp_path / 'bag') as bag:
         bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
         bag.write('/raw', 1, serialized(raw.message(b'bytes', '')))
@@ -242,8 +242,8 @@ def test_a_topic_that_is_not_there(tmp_path):
     assert text.endswith('has no topic /nope of type std_msgs/msg/UInt8MultiArray, but /raw\n')
 
 
-def test_two_into_one_target(byte_file, tmp_path):
-    """One makes it, whole; the other is refused, and takes nothing away."""
+def test_two_conversions_to_one_target(byte_file, tmp_path):
+    """One creates it, complete; the other is refused and leaves it unchanged."""
     target, foreign = tmp_path / 'out', tmp_path / '.out.partial'
     foreign.mkdir()
     (foreign / 'precious').touch()
@@ -259,7 +259,7 @@ def test_two_into_one_target(byte_file, tmp_path):
 
 
 def test_an_interrupted_conversion_leaves_nothing(tmp_path):
-    """However far it was."""
+    """This holds at any time of the interruption."""
     file = tmp_path / 'flight.bin'
     file.write_bytes(b''.join(item.data for item in emissions(make_device(), 60.0)))
     with running('bahrs', 'convert', str(file), str(tmp_path / 'out')) as process:
@@ -268,8 +268,8 @@ def test_an_interrupted_conversion_leaves_nothing(tmp_path):
     assert list(tmp_path.iterdir()) == [file]
 
 
-def test_what_cannot_be_read_twice(tmp_path):
-    """A pipe would keep the second pass waiting for ever."""
+def test_a_pipe_is_refused(tmp_path):
+    """The second pass would wait for ever."""
     os.mkfifo(tmp_path / 'pipe')
     for source in (tmp_path / 'pipe', '/dev/zero'):
         status, text = convert(source, tmp_path / 'out')

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of a conversion: valid, or refused in a sentence; and none is ignored in silence."""
+"""Tests of the parameters of a conversion."""
 
 from pathlib import Path
 import re
@@ -21,8 +21,8 @@ OF_CONVERSION = {'sensor', 'baud_rate'} | {
     for name in re.findall(r'settings\.([a-z_.]+)', path.read_text())}
 
 
-def test_values():
-    """As the node has them, in the form that the driver uses."""
+def test_valid_values():
+    """They are converted as in the node."""
     values, notes = read_settings(
         ['stddev.velocity:=1', 'magnetic_field.strength:=4e-5', 'frame_id:=/imu',
          'frame_convention:=ned', 'crc_order:=word'], 'bahrs')
@@ -42,8 +42,8 @@ def test_values():
     ('port:=\x1b[2J', r"-p port:=\x1b[2J: '\x1b[2J' is no value of YAML"),
     (':=5', '-p :=5: it must be NAME:=VALUE'),
 ])
-def test_sentences(rule, sentence):
-    """They name the rule, or the parameter."""
+def test_errors(rule, sentence):
+    """They name the rule or the parameter."""
     if sentence is None:
         assert read_settings([rule], 'bahrs')[0].frame_id == '~'
         return
@@ -53,7 +53,7 @@ def test_sentences(rule, sentence):
 
 
 def test_settings_without_effect():
-    """In one sentence, with those that only a driver with a port has."""
+    """One sentence lists them, with those for a port."""
     _, notes = read_settings(['payload_order:=big', 'port:=/dev/x', 'nvm.page:=5'], 'bahrs')
     assert notes == ['settings without effect: payload_order (sensor is bahrs); port (it is for a '
                      'port); nvm.page (it is for a port)']
@@ -63,7 +63,7 @@ def test_settings_without_effect():
 @given(name=st.sampled_from(sorted(TABLE.by_name)), sensor=st.sampled_from(sorted(DEVICES)),
        data=st.data())
 def test_each_parameter_is_read_or_listed(name, sensor, data):
-    """Each parameter alone, with a valid value."""
+    """Each parameter is set alone to a valid value."""
     value = data.draw(values_of(TABLE.by_name[name]))
     try:
         text = str(value).lower() if isinstance(value, bool) else value
@@ -81,7 +81,7 @@ def test_each_parameter_is_read_or_listed(name, sensor, data):
     '{}:={}'.format, st.sampled_from(sorted(TABLE.by_name)),
     st.text(max_size=10))), max_size=3))
 def test_any_rule(rules):
-    """It is read, or refused in a sentence without control characters."""
+    """A rule is read, or refused in a printable sentence."""
     try:
         values, notes = read_settings(rules, 'bahrs')
     except (CommandError, ParameterError) as error:

@@ -41,7 +41,7 @@ STREAM = b''.join(BahrsCodec().encode(message, 3) for message in MESSAGES)
 
 
 def decode(*words, data=None):
-    """Run the verb and return what it printed, its errors and its exit status."""
+    """Run the verb; return its output, its errors and its exit status."""
     done = subprocess.run(command('bahrs', 'decode', *words),
                           input=data, capture_output=True, check=False)
     return done.stdout.decode(), done.stderr.decode(), done.returncode
@@ -53,12 +53,12 @@ def summary(text):
 
 
 def lines(path):
-    """Return how many lines a file has."""
+    """Return the number of lines of a file."""
     return path.read_bytes().count(b'\n')
 
 
-def test_the_port_of_the_example(tmp_path):
-    """The command that --help shows sets the port; one that is not set is refused."""
+def test_the_example_with_a_port(tmp_path):
+    """The command in --help sets the port to raw mode; other ports are refused."""
     ours, theirs = pty.openpty()
     with os.fdopen(ours, 'wb', buffering=0) as device, os.fdopen(theirs) as far_end:
         port = os.ttyname(far_end.fileno())
@@ -89,8 +89,8 @@ def test_the_port_of_the_example(tmp_path):
     assert rows.read_text() == decode('--format', 'csv', '-', data=EVERY_BYTE)[0]
 
 
-def test_jsonl_has_a_line_a_message_in_si():
-    """With name, version, offset, sequence where there is one, and all fields."""
+def test_jsonl_has_one_line_per_message_in_si():
+    """Each has name, version, offset, sequence if the frame has one, and all fields."""
     out, err, status = decode('--format', 'jsonl', '-', data=STREAM)
     rows = [json.loads(line) for line in out.splitlines()]
     assert (status, err) == (0, '')
@@ -107,8 +107,8 @@ def test_jsonl_has_a_line_a_message_in_si():
     assert rows[6]['data'] == bytes(range(32)).hex()
 
 
-def test_csv_has_a_row_a_message_and_a_column_a_field():
-    """Vectors by axis, integrity by signal, nothing where a message has no such field."""
+def test_csv_has_one_row_per_message_and_one_column_per_field():
+    """Vectors have a column per axis, integrity one per signal; other cells are empty."""
     out, _, _ = decode('--format', 'csv', '-', data=STREAM)
     rows = list(csv.DictReader(out.splitlines()))
     assert len(rows) == len(MESSAGES)
@@ -121,7 +121,7 @@ def test_csv_has_a_row_a_message_and_a_column_a_field():
 
 
 def in_process(capsys, stream, *words):
-    """Run the verb on a stream in this process, and return the rows that it printed."""
+    """Run the verb on a stream in this process; return the printed rows."""
     with tempfile.NamedTemporaryFile() as file:
         file.write(stream)
         file.flush()
@@ -132,8 +132,8 @@ def in_process(capsys, stream, *words):
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(inertial=st.tuples(*[st.sampled_from(Integrity)] * 6),
        navigation=st.tuples(*[st.sampled_from(Integrity)] * 5))
-def test_csv_has_no_number_for_what_is_not_available(capsys, inertial, navigation):
-    """Each signal by itself; what it is worth is in its own column."""
+def test_csv_has_empty_cells_for_unavailable_values(capsys, inertial, navigation):
+    """Each signal is emptied alone; its integrity has its own column."""
     messages = (Inertial(3, (1.0, 2.0, -9.8), (0.1, 0.2, 0.3), inertial),
                 Navigation(1, 100.0, -0.5, 0.1, 0.2, 3.0, navigation))
     rows = in_process(capsys, b''.join(BahrsCodec().encode(item, 3) for item in messages))
@@ -145,7 +145,7 @@ def test_csv_has_no_number_for_what_is_not_available(capsys, inertial, navigatio
 
 
 def test_csv_has_the_time_of_each_message():
-    """That of a recording of the real device; a pause before the second time message has none."""
+    """In the recording, a pause before the second time message has no time."""
     out, _, _ = decode('--format', 'csv', str(shared_file('data/bahrs_recording_v2.bin')))
     rows = list(csv.DictReader(out.splitlines()))
     for message, period in (('inertial', 5000), ('navigation', 10_000)):
@@ -160,8 +160,8 @@ def test_csv_has_the_time_of_each_message():
     assert list(rows[0])[1] == 'device_time_us'
 
 
-def test_csv_has_no_time_that_is_not_known(capsys):
-    """A device that has none yet sends zeros."""
+def test_csv_has_no_unknown_time(capsys):
+    """A device without a time sends zeros."""
     messages = (NavigationTime(0, 0, 0), InertialTime(0, 0, 5000),
                 Accuracy(0, None, None, None, 0),
                 SyncPulseTime(0, 77))
@@ -171,7 +171,7 @@ def test_csv_has_no_time_that_is_not_known(capsys):
 
 
 def test_summary_counts():
-    """Messages, unknown types, damage, what was detected."""
+    """It counts messages, unknown types and damage, and has detected properties."""
     unknown = build_frame(3, 0xC1, bytes(9), 'word')
     damaged = STREAM[44:54] + b'?' + STREAM[55:72]
     out, _, status = decode('-', data=STREAM + unknown + damaged + STREAM)
@@ -182,8 +182,8 @@ def test_summary_counts():
     assert rows['protocol version'] == '3' and rows['CRC order'] == 'word'
 
 
-def test_height_format():
-    """Above 4,500 m the signed reading is 11,000 m lower."""
+def test_pressure_height_format():
+    """Above 4,500 m the signed value is 11,000 m lower."""
     out, _, _ = decode('--format', 'jsonl', '--pressure-height', 'int16', '-', data=STREAM)
     height = json.loads(out.splitlines()[4])['pressure_height']
     assert height == pytest.approx(5187.59 - 65536 * 0.16784924, abs=0.01)
@@ -198,29 +198,29 @@ def test_height_format():
      'if they are of another device, try --sensor titan_m'),
     (['--format', 'xml', '-'], b'', 2, "invalid choice: 'xml'"),
 ])
-def test_what_cannot_be_decoded(words, data, status, sentence):
-    """One sentence, and an exit status that is not 0."""
+def test_errors(words, data, status, sentence):
+    """The message is one sentence, and the exit status is not 0."""
     _, err, found = decode(*words, data=data)
     assert found == status and sentence in err and 'Traceback' not in err
 
 
 def test_a_bag_is_not_decoded(tmp_path):
-    """The sentence says which verbs read it."""
+    """The message names the verbs that read it."""
     for file in every_form(tmp_path):
         out, err, status = decode('--format', 'jsonl', str(file))
         assert (status, out) == (1, '') and 'is a bag: ' in err and 'bahrs convert' in err
 
 
-def test_reader_that_has_seen_enough():
-    """A pipe that is closed early, as head does."""
+def test_a_closed_output():
+    """The reader of a pipe may close it early, as head does."""
     line = shlex.join(command('bahrs', 'decode', '--format', 'jsonl', '-')) + ' | head -n 1'
     done = subprocess.run(line, shell=True, input=STREAM * 3000, capture_output=True,
                           check=False)
     assert done.stdout.count(b'\n') == 1 and done.stderr == b''
 
 
-def test_recording():
-    """What the real device sent, all of it."""
+def test_a_recording():
+    """All frames of the real device are decoded."""
     out, _, status = decode(str(shared_file('data/bahrs_recording_v2.bin')))
     assert status == 0
     assert summary(out) == {

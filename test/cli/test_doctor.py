@@ -19,8 +19,8 @@ def doctor(*words):
     return done.returncode, done.stdout
 
 
-def test_a_device_that_speaks():
-    """Nothing is wrong."""
+def test_a_streaming_device():
+    """There is no problem."""
     with PtyPort() as cable, Device(cable):
         status, text = doctor('--port', cable.path, '--json')
     found = {item['check']: item for item in json.loads(text)}
@@ -30,7 +30,7 @@ def test_a_device_that_speaks():
 
 
 def test_no_device(tmp_path):
-    """The exit status is 1, and the command that corrects a problem stands below it."""
+    """The exit status is 1, and each problem is followed by its command."""
     status, text = doctor('--root', str(tmp_path))
     assert status == 1
     wrong, remedy, *_ = text.splitlines()
@@ -40,23 +40,23 @@ def test_no_device(tmp_path):
     assert '\x1b' not in text
 
 
-def test_a_port_named_from_here(tmp_path, monkeypatch):
-    """A relative path is one of this folder."""
+def test_a_relative_path_of_a_port(tmp_path, monkeypatch):
+    """It is relative to the current directory."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / 'port').touch()
     _, text = doctor('--port', 'port', '--no-listen')
     assert f'{tmp_path}/port exists' in text
 
 
-def test_a_domain_that_is_none(monkeypatch):
-    """It is reported with the rest, and ROS is not started in it."""
+def test_an_invalid_domain(monkeypatch):
+    """It is reported, and ROS is not started."""
     monkeypatch.setenv('ROS_DOMAIN_ID', 'abc')
     status, text = doctor('--no-listen')
     assert status == 1
     assert "problem domain: ROS_DOMAIN_ID is 'abc'" in text
 
 
-def test_a_titan_m_that_is_found(tmp_path):
+def test_a_device_that_only_answers(tmp_path):
     """Every command that starts a driver names the sensor."""
     port = str(tmp_path / 'port')
     with running('bahrs', 'emulate', '--sensor', 'titan_m', '--link', port) as emulator:
@@ -69,22 +69,22 @@ def test_a_titan_m_that_is_found(tmp_path):
 
 @pytest.mark.parametrize('words', [['/dev/nowhere'], ['--port', '/dev/nowhere'],
                                    ['/dev/nowhere', '--port', '/dev/nowhere']])
-def test_a_port_is_named_with_or_without_its_option(words):
-    """As other commands take it."""
+def test_port_with_and_without_option(words):
+    """Other verbs take --port, too."""
     status, text = doctor(*words, '--no-listen')
     assert status == 1 and text.startswith('problem port: /dev/nowhere does not exist')
 
 
 def test_two_ports():
-    """One of them must be meant."""
+    """They are refused."""
     done = subprocess.run(command('bahrs', 'doctor', '/dev/a', '--port', '/dev/b'),
                           capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 1
     assert done.stderr == "bahrs doctor: '/dev/a' and --port '/dev/b' are two ports: name one\n"
 
 
-def test_names_that_command_terminals_or_shells(tmp_path, monkeypatch):
-    """They are written out, and quoted in commands."""
+def test_names_with_control_characters(tmp_path, monkeypatch):
+    """They are escaped, and quoted in commands."""
     odd = 'usb-\x1bc; reboot\n'
     by_id = tmp_path / 'dev/serial/by-id'
     by_id.mkdir(parents=True)

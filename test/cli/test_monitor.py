@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of `bahrs monitor` where its output is no terminal, as a process beside the node."""
+"""Tests of `bahrs monitor` without a terminal, as a process beside the node."""
 
 import contextlib
 import json
@@ -32,7 +32,7 @@ def watched_until(enough, *options):
 
 
 def shown_by(words, *options):
-    """Return the output of a monitor once it contains all of some words."""
+    """Return the output of a monitor when it contains all of some words."""
     def enough(status, text, complaints):
         assert complaints == ''
         return status == 0 and all(word in text for word in words)
@@ -41,7 +41,7 @@ def shown_by(words, *options):
 
 
 def test_every_topic_and_task_is_shown():
-    """With what came last, for people and for scripts."""
+    """The latest values are in the table and in the JSON object."""
     with PtyPort() as cable, driver(cable.path), Device(cable):
         words = ('device time', ' m/s', f'{cable.path} is open', *TOPICS)
         text = shown_by(words)
@@ -57,8 +57,8 @@ def test_every_topic_and_task_is_shown():
     assert found['diagnostics']['Link']['message'] == f'{cable.path} is open'
 
 
-def test_publishers_that_are_best_effort():
-    """A reliable subscription would get nothing from them."""
+def test_best_effort_publishers():
+    """A reliable subscription would receive nothing."""
     topics = ('/imu/data', '/diagnostics')
     overrides = {f'qos_overrides.{topic}.publisher.reliability': 'best_effort'
                  for topic in topics}
@@ -67,7 +67,7 @@ def test_publishers_that_are_best_effort():
 
 
 def test_without_a_driver():
-    """It reports that, and the exit status is not 0."""
+    """The exit status is not 0, and the reason is printed."""
     with running('bahrs', 'monitor', '--duration', '1', '--namespace', 'nobody') as monitor:
         assert monitor.wait(60) == 1
         assert 'is driver_node running' in monitor.text
@@ -75,7 +75,7 @@ def test_without_a_driver():
 
 @contextlib.contextmanager
 def named_driver(cable, *words):
-    """Run a driver on a port under another name, and wait until it has opened it."""
+    """Run a driver with another name, and wait until it has opened the port."""
     with running('driver_node', '--ros-args', '-p', f'port:={cable.path}', *words) as node:
         assert wait_for(lambda: cable.is_open), node.text
         yield
@@ -90,7 +90,7 @@ def named_driver(cable, *words):
     (['-r', '__ns:=/left'], ['--ros-args', '-r', '__ns:=/left'], '/left/bahrs_driver'),
 ])
 def test_the_only_driver_is_found(words, options, name):
-    """Whatever it is called, with its topics and its health."""
+    """It is found by any name, with its topics and its health."""
     def complete(status, text, complaints):
         found = json.loads(text)
         return found['node'] == name and found['topics']['imu/data']['count'] \
@@ -102,7 +102,7 @@ def test_the_only_driver_is_found(words, options, name):
 
 @pytest.mark.slow
 def test_several_drivers():
-    """Each is shown by its name; without one, the monitor lists them."""
+    """The monitor lists them unless one is named."""
     with PtyPort() as left, PtyPort() as right, Device(left), \
             named_driver(left, '-r', '__ns:=/left'), named_driver(right, '-r', '__ns:=/right'):
         def message(side, text):
@@ -130,21 +130,21 @@ def test_several_drivers():
     (['--node', '\udcff'], r"'\udcff' is not the name of a node"),
     (['--namespace', '\udcff'], r"'\udcff' is not a namespace"),
 ])
-def test_names_that_are_none(options, sentence):
-    """One sentence each."""
+def test_invalid_names(options, sentence):
+    """Each error is one sentence."""
     status, text, complaint = run_bahrs('monitor', *options)
     assert status == 1 and text == ''
     assert complaint.startswith(f'bahrs monitor: {sentence}') and complaint.count('\n') == 1
 
 
-def test_a_namespace_that_is_none():
-    """One sentence."""
+def test_an_invalid_namespace():
+    """The error is one sentence."""
     assert run_bahrs('monitor', '--namespace', 'no body') == (
         1, '', "bahrs monitor: 'no body' is not a namespace: write a name such as /left\n")
 
 
-def test_a_domain_that_is_none(monkeypatch):
-    """One sentence, where ROS would say it with a traceback."""
+def test_an_invalid_domain(monkeypatch):
+    """The error is one sentence, without the traceback of ROS."""
     monkeypatch.setenv('ROS_DOMAIN_ID', '900')
     assert run_bahrs('monitor', '--duration', '1') == (
         1, '', "bahrs monitor: ROS_DOMAIN_ID is '900': it must be a number from 0 to 101\n")

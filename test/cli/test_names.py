@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Names of files may be any bytes: verbs take them, and show them in printable form."""
+"""Tests of names of files with any bytes, which verbs print in printable form."""
 
 import itertools
 import os
@@ -20,7 +20,7 @@ NAMES = [NAME, b'\x1bc', b'-\xc3\xa4 \xed\xa0\x80']
 
 
 def run(*words, cwd, timeout=60):
-    """Run a verb with a terminal that takes UTF-8 only; return its status and output."""
+    """Run a verb with an output that accepts only UTF-8; return its status and output."""
     done = subprocess.run(
         [os.fsencode(word) for word in (*command('bahrs'), *words)], cwd=cwd, check=False,
         capture_output=True, timeout=timeout,
@@ -31,13 +31,13 @@ def run(*words, cwd, timeout=60):
 
 @pytest.fixture(scope='module')
 def stream():
-    """Give two seconds of a device."""
+    """Return two seconds of a stream."""
     return b''.join(item.data for item in emissions(make_device(), 2.0))
 
 
 @pytest.mark.parametrize('name', NAMES)
-def test_reading_and_writing(tmp_path, stream, name):
-    """Verbs on files read what is named, and write what is named."""
+def test_files_with_any_name(tmp_path, stream, name):
+    """Verbs read and write the named files."""
     source, folder = b'./' + name, os.fsencode(tmp_path)
     (tmp_path / os.fsdecode(name)).write_bytes(stream)
     assert run('decode', source, cwd=tmp_path)[0] == 0
@@ -59,8 +59,8 @@ def test_reading_and_writing(tmp_path, stream, name):
     ['convert', 'bag.mcap', 'out', '--namespace', None], ['record', '--node', None],
     ['record', '-o', None]],
     ids=lambda words: ' '.join(word or 'NAME' for word in words))
-def test_what_is_wrong_is_shown_safely(tmp_path, words):
-    """One line on standard error, with the name as escapes."""
+def test_errors_are_printable(tmp_path, words):
+    """The error is one line, in which the name is escaped."""
     write_mcap(tmp_path / 'bag.mcap')
     (tmp_path / os.fsdecode(NAME)).mkdir()          # which is none of what it should be
     chosen = [b'./' + NAME if word is None else word for word in words]
@@ -74,16 +74,16 @@ def test_what_is_wrong_is_shown_safely(tmp_path, words):
     assert SHOWN in err.decode() or repr(os.fsdecode(NAME))[1:-1] in err.decode()
 
 
-def test_a_mistake_in_the_command_line(tmp_path):
-    """What argparse shows of it is printable, too."""
+def test_command_line_errors_are_printable(tmp_path):
+    """Messages of argparse are escaped, too."""
     for name in NAMES:
         for words in ([name], ['decode', 'x', name + b'x'], ['replay', 'x', '--fault', name]):
             status, _, err = run(*words, cwd=tmp_path)
             assert status == 2 and err.decode().replace('\n', '').isprintable()
 
 
-def test_bags_in_folders_of_any_name(tmp_path):
-    """Files within have the name of the folder, without what metadata.yaml could not say."""
+def test_bags_in_directories_with_any_name(tmp_path):
+    """The files have its name without characters that metadata.yaml cannot have."""
     for name, kind in itertools.product(NAMES, ('mcap', 'folder')):
         folder = tmp_path / os.fsdecode(name + kind.encode())
         folder.mkdir()
@@ -92,8 +92,8 @@ def test_bags_in_folders_of_any_name(tmp_path):
         assert len(list(capture.chunks())) == 10
 
 
-def test_recording_into_a_folder_of_any_name(tmp_path):
-    """It is made, and what is wrong names it in printable form."""
+def test_recording_to_a_directory_with_any_name(tmp_path):
+    """The directory is created, and errors show its escaped name."""
     folder = tmp_path / os.fsdecode(b'\xff\x1b[31m')
     with running('bahrs', 'record', '-o', str(folder)) as recorder:
         assert wait_for(lambda: list(folder.glob('*.mcap')))

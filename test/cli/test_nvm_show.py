@@ -14,14 +14,14 @@ LOG = slice(80, 596)            # position and text of the assertions
 
 
 def shown(capsys, tmp_path, image, *words):
-    """Return exit status, output and errors of showing an image."""
+    """Show an image; return exit status, output and errors."""
     (tmp_path / 'image.bin').write_bytes(image)
     status = main(['nvm', 'show', *words, str(tmp_path / 'image.bin')])
     return status, *capsys.readouterr()
 
 
-def test_show_does_nothing_to_a_terminal(capsys, tmp_path):
-    """Whatever is in a memory; where it was erased there is nothing."""
+def test_show_prints_no_control_characters(capsys, tmp_path):
+    """This holds for any content. Erased texts are empty."""
     image = bytearray(example_image())
     image[LOG] = bytes(4) + b'a.c:3\x1b[2J\n'.ljust(512, b'\xff')
     status, text, _ = shown(capsys, tmp_path, image)
@@ -31,15 +31,15 @@ def test_show_does_nothing_to_a_terminal(capsys, tmp_path):
 
 
 def test_json_of_an_erased_memory(capsys, tmp_path):
-    """JSON knows no NaN."""
+    """NaN becomes null."""
     status, text, _ = shown(capsys, tmp_path, b'\xff' * 8000, '--json')
     told = json.loads(text, parse_constant=pytest.fail)
     assert status == 1 and told['installation angles']['roll'] is None
     assert told['magnetometer']['hard_iron'] == [None] * 3
 
 
-def test_an_image_of_another_format_or_size(capsys, tmp_path):
-    """It is said, and what is there is shown."""
+def test_an_image_with_another_format_or_size(capsys, tmp_path):
+    """A warning is printed, and the content is shown."""
     version = struct.pack('<2I', 2, 0)
     image = version + struct.pack('<I', zlib.crc32(version)) + bytes(7988)
     assert 'has format 2.0, and is shown as if it had 1.1' in shown(capsys, tmp_path, image)[2]

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the bar of progress: on a terminal only."""
+"""Tests of the progress bar."""
 
 import io
 import sys
@@ -9,15 +9,15 @@ from bahrs_driver.cli.progress import progress_bar
 
 
 class Terminal(io.StringIO):
-    """A standard error that claims to be a terminal."""
+    """A stream that claims to be a terminal."""
 
     def isatty(self):
-        """Say so."""
+        """Return True."""
         return True
 
 
 def shown(stream, monkeypatch):
-    """Return what a bar writes."""
+    """Return the output of a bar."""
     monkeypatch.setattr(sys, 'stderr', stream)
     monkeypatch.setenv('TERM', 'xterm')
     with progress_bar() as progress:
@@ -26,11 +26,11 @@ def shown(stream, monkeypatch):
     return stream.getvalue()
 
 
-def test_nothing_is_written_into_a_file(monkeypatch):
-    """Not even an empty line, which every version of rich has its own mind about."""
+def test_nothing_is_written_to_a_file(monkeypatch):
+    """Some versions of rich would write an empty line."""
     assert shown(io.StringIO(), monkeypatch) == ''
 
 
-def test_a_terminal_shows_it(monkeypatch):
-    """While something goes on."""
+def test_a_terminal_shows_the_bar(monkeypatch):
+    """It is shown during a task."""
     assert 'reading' in shown(Terminal(), monkeypatch)

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of `bahrs record`, as a process beside a driver: what ends it, and what is left then."""
+"""Tests of `bahrs record`, as a process beside a driver."""
 
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
@@ -35,19 +35,19 @@ EVERYTHING = {*(f'/{topic}' for topic in TOPICS), '/raw', '/diagnostics'}
 
 @pytest.fixture
 def flying():
-    """Let a driver run that publishes all, also the raw bytes."""
+    """Run a driver that publishes all topics, including raw."""
     with PtyPort() as port, driver(port.path, publish__raw=True, **DEEP) as node, Device(port):
         assert wait_for(lambda: 'is open' in node.text, LONG)
         yield
 
 
 def size(folder):
-    """Return how many bytes of a bag are on the disk."""
+    """Return the size of a bag in bytes."""
     return sum(file.stat().st_size for file in folder.glob('*.mcap'))
 
 
 def whole(folder, least):
-    """Return whether a bag has so many bytes, and something of every topic, each found in time."""
+    """Return whether a bag has this size and messages of all topics."""
     return size(folder) >= least and EVERYTHING <= topics_in(folder)
 
 
@@ -62,7 +62,7 @@ def topics_in(folder):
 
 
 def counted(folder):
-    """Return the messages by topic, as rosbags and the MCAP library alike read them."""
+    """Return the messages by topic, read equally by rosbags and the MCAP library."""
     with Reader(folder) as reader:
         found = Counter(connection.topic for connection, _, _ in reader.messages())
     by_mcap = Counter()
@@ -74,7 +74,7 @@ def counted(folder):
 
 
 def unbroken(folder):
-    """Return how many bytes of raw there are, none of which is missing in the middle."""
+    """Return the number of bytes in raw, and assert that there is no gap."""
     framer, chunks = Framer(BahrsFormat()), open_capture(folder).chunks()
     frames = [frame for chunk in chunks for frame in framer.feed(chunk.data)]
     assert framer.counters.skipped_bytes == frames[0].offset
@@ -82,8 +82,8 @@ def unbroken(folder):
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_it(flying, tmp_path, number):
-    """Everything the node publishes is in the bag and in its metadata."""
+def test_a_signal_ends_the_recording(flying, tmp_path, number):
+    """All topics are in the bag and in its metadata."""
     bag = tmp_path / 'bag'
     with running('bahrs', 'record', '-o', str(bag), '--json') as recorder:
         assert wait_for(lambda: whole(bag, 60_000), LONG)
@@ -96,8 +96,8 @@ def test_a_signal_ends_it(flying, tmp_path, number):
     assert unbroken(bag) > 5000
 
 
-def test_killed(flying, tmp_path):
-    """What was written is a bag that everybody reads."""
+def test_a_killed_recorder(flying, tmp_path):
+    """The written part is a valid bag."""
     bag = tmp_path / 'bag'
     with running('bahrs', 'record', '-o', str(bag), '--max-size', '0.05') as recorder:
         assert wait_for(lambda: (bag / 'bag_1.mcap').exists() and whole(bag, 80_000), LONG)
@@ -111,7 +111,7 @@ def test_killed(flying, tmp_path):
 
 
 def test_raw_only(flying, tmp_path):
-    """Nothing else is in the bag; it ends by itself."""
+    """The bag has no other topic, and the recording ends after its duration."""
     with running('bahrs', 'record', '-o', str(tmp_path / 'bag'), '--raw-only',
                  '--duration', '3') as recorder:
         assert recorder.wait(LONG) == 0, recorder.text
@@ -119,8 +119,8 @@ def test_raw_only(flying, tmp_path):
     assert unbroken(tmp_path / 'bag') > 500
 
 
-def test_no_room(flying, tmp_path):
-    """It reports that and ends, and the bag has all earlier messages."""
+def test_a_full_disk(flying, tmp_path):
+    """The recorder reports it and ends, and the bag has all earlier messages."""
     bag = tmp_path / 'bag'
     with running('bahrs', 'record', '-o', str(bag)) as recorder:
         assert wait_for(lambda: size(bag) > 0, LONG)
@@ -137,7 +137,7 @@ def test_no_room(flying, tmp_path):
      'there is no node named x in namespace /uav'),
 ])
 def test_nothing_to_record(tmp_path, words, sentence):
-    """A sentence names what is missing."""
+    """The error names what is missing."""
     with running('bahrs', 'record', '-o', str(tmp_path / 'bag'), *words) as recorder:
         assert wait_for(lambda: sentence in recorder.text, LONG)
         assert recorder.end() == 1
@@ -146,7 +146,7 @@ def test_nothing_to_record(tmp_path, words, sentence):
 
 @pytest.mark.slow
 def test_several_drivers(tmp_path):
-    """One is recorded by its name; without one, the recorder lists them."""
+    """The recorder lists them unless one is named."""
     with contextlib.ExitStack() as stack:
         for side in ('left', 'right'):
             port = stack.enter_context(PtyPort())
@@ -174,7 +174,7 @@ def test_several_drivers(tmp_path):
 
 
 def test_a_driver_without_raw(tmp_path):
-    """A sentence has the remedy, early enough to use it."""
+    """The remedy is printed during the recording."""
     with PtyPort() as port, driver(port.path), running(
             'bahrs', 'record', '-o', str(tmp_path / 'bag'), '--raw-only') as recorder:
         assert wait_for(lambda: 'publish.raw:=true' in recorder.text, LONG)
@@ -182,8 +182,8 @@ def test_a_driver_without_raw(tmp_path):
     assert 'does not publish raw' in recorder.text and 'Traceback' not in recorder.text
 
 
-def test_bad_options(tmp_path):
-    """Each is refused with a sentence."""
+def test_invalid_options(tmp_path):
+    """Each error is one sentence."""
     for words, sentence in ((['--max-size', '0'], 'not more than 0'),
                             (['--namespace', 'a b'], "'a b' is not a namespace"),
                             (['--node', 'a b'], "'a b' is not the name of a node"),
@@ -192,7 +192,7 @@ def test_bad_options(tmp_path):
         assert status in (1, 2) and out == '' and sentence in error
 
 
-def test_a_driver_that_is_started_later(tmp_path):
+def test_a_driver_that_starts_later(tmp_path):
     """Messages before discovery are counted, and the remedy is printed."""
     bag = tmp_path / 'bag'
     with PtyPort() as port, Device(port) as device, running(
@@ -255,7 +255,7 @@ def test_a_clock_that_is_set_back(tmp_path, raw_only):
 
 
 def test_names_of_bags_that_begin_in_the_same_second(tmp_path, monkeypatch):
-    """Each is another one, and a bag that is there is never written over."""
+    """Each name is free, and no bag is overwritten."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(time, 'strftime', lambda form: 'bahrs_now')
     with ThreadPoolExecutor(4) as pool:

@@ -41,7 +41,7 @@ def stream(seconds):
 
 @pytest.mark.parametrize('rate', [1, 4])
 def test_bytes_arrive_at_the_rate_of_the_device(tmp_path, rate):
-    """Two seconds of stream, noise included, take two seconds, or a quarter of that."""
+    """Two seconds of a stream with noise take two seconds, or a quarter of it."""
     data, file, link = stream(2), tmp_path / 'data.bin', tmp_path / 'port'
     file.write_bytes(data)
     with running('bahrs', 'replay', str(file), '--link', str(link), '--rate', str(rate)) as player:
@@ -86,7 +86,7 @@ def test_a_link_at_the_path_of_a_file(tmp_path):
 
 
 @pytest.mark.parametrize('rate', ['0', '-1', 'fast'])
-def test_bad_rate(rate):
+def test_invalid_rate(rate):
     """The rate must be more than 0."""
     with running('bahrs', 'replay', 'x', '--rate', rate) as player:
         assert player.wait() == 2
@@ -131,7 +131,7 @@ def test_a_bag_is_played_at_its_own_times(tmp_path):
     assert told == {'bytes': 9, 'faults': {}, 'notes': []}
 
 
-def test_a_bag_of_a_host_that_was_set(tmp_path):
+def test_a_bag_with_a_step_of_the_host_clock(tmp_path):
     """The steady clock sets the pace, even if the wall clock was set."""
     with BagWriter(tmp_path / 'bag') as bag:
         bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
@@ -161,7 +161,7 @@ def test_faults_on_request(tmp_path):
 
 
 @pytest.mark.parametrize('words', [['--fault', 'rust=1'], ['--latency-timer', '0']])
-def test_bad_cable(words):
+def test_invalid_cable_options(words):
     """The sentence lists the valid faults."""
     with running('bahrs', 'replay', 'x', *words) as player:
         assert player.wait() == 2
@@ -211,7 +211,7 @@ def test_a_reader_that_comes_back(tmp_path):
     assert len(first) <= data.index(second) < len(first) + 10_000
 
 
-def test_a_reader_that_has_gone(tmp_path):
+def test_a_reader_that_does_not_come_back(tmp_path):
     """Without another reader the replay ends, and unread bytes do not count as played."""
     data, file, link = stream(20), tmp_path / 'data.bin', tmp_path / 'port'
     file.write_bytes(data)

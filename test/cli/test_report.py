@@ -12,13 +12,13 @@ from support.in_process import run_bahrs
 
 
 def report(*words):
-    """Return exit status, output and complaints."""
+    """Run the verb; return exit status, output and errors."""
     return run_bahrs('report', *words)
 
 
 @pytest.fixture(scope='module')
 def flight(tmp_path_factory):
-    """Return a file of a few seconds."""
+    """Return a file with a few seconds of a stream."""
     path = tmp_path_factory.mktemp('report') / 'flight.bin'
     path.write_bytes(on_the_wire(make_emulation(), 5.0)[1])
     return path
@@ -26,7 +26,7 @@ def flight(tmp_path_factory):
 
 @pytest.mark.slow
 def test_a_page_beside_the_recording(flight):
-    """Its name is printed, and nothing else."""
+    """Only its name is printed."""
     status, text, complaints = report(flight)
     assert (status, complaints) == (0, '')
     target = flight.with_suffix('.html')
@@ -34,8 +34,8 @@ def test_a_page_beside_the_recording(flight):
     assert target.read_text().startswith('<!DOCTYPE html>')
 
 
-def test_for_a_script(flight):
-    """Counts and findings as JSON, and no page."""
+def test_json(flight):
+    """The output has counts and findings, and no page is written."""
     status, text, complaints = report(flight, '--json')
     assert (status, complaints) == (0, '')
     found = json.loads(text)
@@ -44,8 +44,8 @@ def test_for_a_script(flight):
         'good', 'notice', 'warning', 'error'}
 
 
-def test_what_cannot_be_reported_on(tmp_path, flight):
-    """One sentence each, no traceback."""
+def test_errors(tmp_path, flight):
+    """Each is one sentence."""
     noise = tmp_path / 'noise.bin'
     noise.write_bytes(bytes(1000))
     for words, sentence in (
@@ -58,16 +58,16 @@ def test_what_cannot_be_reported_on(tmp_path, flight):
         assert complaints.count('\n') == 1
 
 
-def test_a_folder_named_by_a_dot(tmp_path, monkeypatch):
-    """It has a name all the same."""
+def test_a_directory_named_by_a_dot(tmp_path, monkeypatch):
+    """The page has the name of the directory."""
     monkeypatch.chdir(tmp_path)
     status, _, complaints = report('.')
     assert status == 1 and 'is not a bag' in complaints
     assert _target(Namespace(output=None, input='.')) == tmp_path.with_suffix('.html')
 
 
-def test_the_recording_is_never_written_over(flight):
-    """Nor by a page that the user gives its name."""
+def test_the_recording_is_never_overwritten(flight):
+    """A page with its name is refused."""
     before = flight.read_bytes()
     status, _, complaints = report(flight, '-o', flight)
     assert (status, complaints) == (

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of every node that this package starts, in environments that ROS does not like."""
+"""Tests of all nodes of this package with invalid environment variables."""
 
 import contextlib
 import time
@@ -31,10 +31,10 @@ STARTED = {'driver_node': 'does not exist', 'record': 'bahrs record: the'}
 
 
 class Started:
-    """All nodes of this package, at once in the same environment."""
+    """All nodes of this package, run at once in the same environment."""
 
     def __init__(self, folder, for_ros=()):
-        """Start each, and end those that do not end by themselves once they have started."""
+        """Start all nodes, and end those that run after their start."""
         self.status, self.text = {}, {}
         with contextlib.ExitStack() as stack:
             nodes = {name: stack.enter_context(running(*words(name, folder), *for_ros))
@@ -66,7 +66,7 @@ def has_no_traceback(started):
     {'ROS_LOG_DIR': '/proc/nowhere'}, {'ROS_LOG_DIR': __file__}, {'ROS_HOME': '/dev/null'},
     {'HOME': ''}])
 def test_without_log_files(tmp_path, monkeypatch, variables):
-    """Everything works, the driver warns, and the doctor names the variable that helps."""
+    """All nodes work, the driver warns, and the doctor names the variable to set."""
     for name in ('ROS_LOG_DIR', 'ROS_HOME'):
         monkeypatch.delenv(name, raising=False)
     for name, value in variables.items():
@@ -83,8 +83,8 @@ def test_without_log_files(tmp_path, monkeypatch, variables):
 @pytest.mark.parametrize('name, value', [
     ('RMW_IMPLEMENTATION', 'rmw_nothing'), ('ROS_DOMAIN_ID', '900'),
     ('ROS_STATIC_PEERS', 'nowhere.invalid'), ('RCUTILS_COLORIZED_OUTPUT', 'yes')])
-def test_what_ros_cannot_start_with(tmp_path, monkeypatch, name, value):
-    """Every node names the variable, and nothing else is printed."""
+def test_variables_that_prevent_the_start_of_ros(tmp_path, monkeypatch, name, value):
+    """Each node prints only an error that names the variable."""
     # The range of the tests would ignore static peers.
     monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'SUBNET')
     monkeypatch.setenv(name, value)
@@ -101,7 +101,7 @@ def test_what_ros_cannot_start_with(tmp_path, monkeypatch, name, value):
 @settings(max_examples=5, suppress_health_check=list(HealthCheck))
 @given(variables=st.dictionaries(st.sampled_from(VARIABLES), ODD, min_size=1, max_size=3))
 def test_any_environment(tmp_path, variables):
-    """Every node starts in it, or prints the reason in a sentence."""
+    """Each node starts, or prints the reason in one sentence."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path)       # for log files at odd places
         for name, value in variables.items():
@@ -112,7 +112,7 @@ def test_any_environment(tmp_path, variables):
 @pytest.mark.slow
 @settings(max_examples=5, suppress_health_check=list(HealthCheck))
 @given(for_ros=ROS_WORDS)
-def test_any_words_for_ros(tmp_path, for_ros):
-    """Likewise."""
+def test_any_ros_arguments(tmp_path, for_ros):
+    """Each node starts, or prints the reason in one sentence."""
     words = [word for word in for_ros if '\0' not in word]
     has_no_traceback(Started(tmp_path, words))

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of which signals end a verb."""
+"""Tests of the signals that end a verb."""
 
 import contextlib
 import os
@@ -16,8 +16,8 @@ from support.processes import command, Process, wait_for
     (signal.SIG_DFL, [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]),
     (signal.SIG_IGN, [signal.SIGINT, signal.SIGTERM]),
 ])
-def test_a_hang_up_is_left_ignored(before, kinds):
-    """As nohup has it."""
+def test_an_ignored_hang_up_stays_ignored(before, kinds):
+    """nohup relies on it."""
     own = signal.signal(signal.SIGHUP, before)
     try:
         assert handled_signals() == kinds
@@ -33,7 +33,7 @@ WORDS = {'decode': ['--format', 'jsonl', '-'], 'emulate': ['--link', 'port'],
 
 @contextlib.contextmanager
 def ignoring(number, verb):
-    """Run a verb as a script runs it in the background, or nohup, with a signal ignored."""
+    """Run a verb with an ignored signal, as a script or nohup does."""
     name = signal.Signals(number).name.removeprefix('SIG')
     process = Process(['sh', '-c', f'trap "" {name}; exec "$@"', 'sh',
                        *command('bahrs', verb, *WORDS[verb])])
@@ -45,7 +45,7 @@ def ignoring(number, verb):
 
 
 def signals(process, kind):
-    """Return the signals that a process has handlers for (SigCgt), or ignores (SigIgn)."""
+    """Return the signals that a process handles (SigCgt) or ignores (SigIgn)."""
     line = next(line for line in Path(f'/proc/{process.pid}/status').read_text().splitlines()
                 if line.startswith(kind))
     bits = int(line.split()[1], 16)
@@ -54,14 +54,14 @@ def signals(process, kind):
 
 @pytest.fixture
 def in_folder(tmp_path, monkeypatch):
-    """Work in a folder with a file of bytes."""
+    """Change to a directory with a file of raw bytes."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / 'flight.bin').write_bytes(bytes(1000))
 
 
 @pytest.mark.parametrize('verb', WORDS)
-def test_a_signal_ends_what_a_script_runs_in_the_background(in_folder, verb):
-    """Though the shell has it ignored when it starts."""
+def test_a_signal_ends_a_background_process_of_a_script(in_folder, verb):
+    """The shell starts it with the signal ignored."""
     with ignoring(signal.SIGINT, verb) as process:
         assert wait_for(lambda: signal.SIGINT in signals(process, 'SigCgt'))
         assert process.end(signal.SIGINT) >= 0
@@ -69,8 +69,8 @@ def test_a_signal_ends_what_a_script_runs_in_the_background(in_folder, verb):
 
 
 @pytest.mark.parametrize('verb', WORDS)
-def test_a_hang_up_does_not_end_what_nohup_runs(in_folder, verb):
-    """Another signal does."""
+def test_a_hang_up_does_not_end_a_process_of_nohup(in_folder, verb):
+    """Another signal ends it."""
     with ignoring(signal.SIGHUP, verb) as process:
         assert wait_for(lambda: signal.SIGTERM in signals(process, 'SigCgt'))
         assert signal.SIGHUP in signals(process, 'SigIgn')

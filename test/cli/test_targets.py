@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of where verbs may write: every verb, every kind of target, and what it leaves."""
+"""Tests of the outputs of all verbs, with every kind of target."""
 
 import contextlib
 import os
@@ -50,7 +50,7 @@ EVERY_VERB = {**TO_FILE, **TO_NEW}
 
 @pytest.fixture(scope='module')
 def flight(tmp_path_factory):
-    """Give a file of a second of a device."""
+    """Return a file with one second of a stream."""
     file = tmp_path_factory.mktemp('flight') / 'flight.bin'
     file.write_bytes(b''.join(item.data for item in emissions(make_device(), 1.0)))
     return str(file)
@@ -58,14 +58,14 @@ def flight(tmp_path_factory):
 
 @pytest.fixture(scope='module', autouse=True)
 def short_page():
-    """Have reports made without their pictures, which take their time."""
+    """Make reports without plots, which are slow."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(report, 'page', lambda recording: ['<!DOCTYPE html>', 'x' * 2000])
         yield
 
 
 def run(flight, capsys, *words):
-    """Run a verb in this process; return its exit status and its complaints."""
+    """Run a verb in this process; return its exit status and its errors."""
     try:
         status = main([flight if word == 'FLIGHT' else str(word) for word in words])
     except SystemExit as stop:
@@ -74,7 +74,7 @@ def run(flight, capsys, *words):
 
 
 def refused(flight, capsys, *words):
-    """Assert that a verb refuses in one sentence, which is returned."""
+    """Assert that a verb fails with one sentence, and return it."""
     status, text = run(flight, capsys, *words)
     assert status == 1, text
     sentences = [line for line in text.splitlines() if line.startswith(f'bahrs {words[0]}: ')]
@@ -84,8 +84,8 @@ def refused(flight, capsys, *words):
 
 @pytest.mark.parametrize('verb', EVERY_VERB)
 @pytest.mark.parametrize('kind', EVERY_KIND)
-def test_whatever_is_at_the_target_stays(flight, capsys, tmp_path, verb, kind):
-    """Every kind, for every verb; with --force only a regular file is replaced."""
+def test_an_existing_target_stays(flight, capsys, tmp_path, verb, kind):
+    """Only --force replaces a target, and only a regular file."""
     target = tmp_path / 'target'
     EVERY_KIND[kind](target)
     before = snapshot(tmp_path)
@@ -102,15 +102,15 @@ def test_whatever_is_at_the_target_stays(flight, capsys, tmp_path, verb, kind):
         assert snapshot(tmp_path) == before
 
 
-def test_a_directory_without_a_name(flight, capsys):
-    """It is not taken for the root directory."""
+def test_an_empty_name_of_a_directory(flight, capsys):
+    """It does not mean the root directory."""
     assert 'without a name' in refused(flight, capsys, 'convert', 'FLIGHT', '')
 
 
 @pytest.mark.parametrize('verb', EVERY_VERB)
 @pytest.mark.parametrize('kind', IMPOSSIBLE)
 def test_paths_that_cannot_be_written(flight, capsys, tmp_path, verb, kind, monkeypatch):
-    """One sentence, and nothing is left behind."""
+    """The error is one sentence, and no file remains."""
     if verb in TO_NEW and kind in ('missing parent', 'trailing slash'):
         return          # is made
     monkeypatch.chdir(tmp_path)
@@ -121,8 +121,8 @@ def test_paths_that_cannot_be_written(flight, capsys, tmp_path, verb, kind, monk
 
 
 @pytest.mark.parametrize('verb', EVERY_VERB)
-def test_a_directory_that_may_not_be_written_into(flight, capsys, verb):
-    """One sentence with a remedy, before the work begins."""
+def test_a_directory_without_write_permission(flight, capsys, verb):
+    """The error is one sentence with a remedy, before the work begins."""
     with tempfile.TemporaryDirectory() as top:
         copy = Path(top, 'flight.bin')
         copy.write_bytes(Path(flight).read_bytes())
@@ -135,8 +135,8 @@ def test_a_directory_that_may_not_be_written_into(flight, capsys, verb):
 
 
 @pytest.mark.parametrize('verb', sorted(set(EVERY_VERB) - {'emulate --link'}))
-def test_no_room(flight, capsys, tmp_path, verb):
-    """One sentence with a remedy; of a complete file nothing is left."""
+def test_a_full_disk(flight, capsys, tmp_path, verb):
+    """The error is one sentence with a remedy, and no incomplete file remains."""
     with no_larger_file_than(100):
         sentence = refused(flight, capsys, *EVERY_VERB[verb], tmp_path / 'target')
     assert f'cannot write {tmp_path}/target' in sentence
@@ -146,8 +146,8 @@ def test_no_room(flight, capsys, tmp_path, verb):
 
 
 @pytest.mark.parametrize('verb', sorted(set(EVERY_VERB) - {'emulate --link'}))
-def test_modes_honour_the_umask(flight, capsys, tmp_path, verb):
-    """Of every file and directory."""
+def test_modes_respect_the_umask(flight, capsys, tmp_path, verb):
+    """This holds for files and directories."""
     with umask(0o027):
         assert run(flight, capsys, *EVERY_VERB[verb], tmp_path / 'target')[0] == 0
     modes = {path.is_dir(): stat.S_IMODE(path.stat().st_mode) for path in tmp_path.rglob('*')}
@@ -157,7 +157,7 @@ def test_modes_honour_the_umask(flight, capsys, tmp_path, verb):
 @pytest.mark.parametrize('verb', TO_FILE)
 @pytest.mark.parametrize('name', ['-', '/dev/stdout'])
 def test_standard_output(flight, verb, name):
-    """The file, and nothing else."""
+    """Only the content of the file is printed."""
     words = [flight if word == 'FLIGHT' else word for word in TO_FILE[verb]]
     done = subprocess.run(command('bahrs', *words, name), capture_output=True, check=True,
                           timeout=PATIENCE)
@@ -166,8 +166,8 @@ def test_standard_output(flight, verb, name):
     assert done.stdout.startswith(begins[verb])
 
 
-def test_the_truth_and_the_bytes_do_not_share_a_file(flight, capsys, tmp_path):
-    """However it is named."""
+def test_truth_and_output_must_differ(flight, capsys, tmp_path):
+    """Two names of the same file are refused."""
     (tmp_path / 'link').symlink_to('file')
     for name in (tmp_path / 'file', tmp_path / 'link', f'{tmp_path}/./file'):
         sentence = refused(flight, capsys, *EMULATE, '--force', '--output', tmp_path / 'file',
@@ -176,8 +176,8 @@ def test_the_truth_and_the_bytes_do_not_share_a_file(flight, capsys, tmp_path):
     assert not (tmp_path / 'file').exists()
 
 
-def test_two_that_write_the_same_file(tmp_path):
-    """The first that is ready has it; the other is refused, and its work is removed."""
+def test_two_writers_of_one_file(tmp_path):
+    """The first to finish writes it; the other fails, and its file is removed."""
     path = str(tmp_path / 'file')
     with pytest.raises(CommandError, match='exists already'), output_file(path, False) as first:
         first.write(b'first')
@@ -190,12 +190,12 @@ class Memory(threading.Thread):
     """A device on a port that only answers requests for its memory."""
 
     def __init__(self, port):
-        """Take the port."""
+        """Keep the port."""
         super().__init__(daemon=True)
         self._port, self.ended, self.asked = port, threading.Event(), False
 
     def run(self):
-        """Answer until it is ended."""
+        """Answer until it is stopped."""
         codec, mode = BahrsCodec(), DiagnosticsMode(ServiceBehavior())
         while not self.ended.is_set():
             data = self._port.read(0.01)
@@ -204,8 +204,8 @@ class Memory(threading.Thread):
                 self._port.write(codec.encode(answer, 3))
 
 
-def test_a_dump_is_refused_before_the_device_is_asked(flight, capsys, tmp_path):
-    """All kinds; then it is written."""
+def test_a_dump_is_refused_before_any_request(flight, capsys, tmp_path):
+    """This holds for all kinds of targets. A valid target is written."""
     with PtyPort() as port:
         memory = Memory(port)
         memory.start()
@@ -225,8 +225,8 @@ def test_a_dump_is_refused_before_the_device_is_asked(flight, capsys, tmp_path):
 
 
 @pytest.mark.parametrize('verb', sorted(set(EVERY_VERB) - {'emulate --link'}))
-def test_no_file_among_the_devices(flight, capsys, verb):
-    """The superuser could make one, which would take the name of a device that is unplugged."""
+def test_no_regular_file_in_dev(flight, capsys, verb):
+    """With the name of an unplugged device, it would hide the device."""
     sentence = refused(flight, capsys, *EVERY_VERB[verb], '/dev/bahrs_unplugged')
     assert not os.path.lexists('/dev/bahrs_unplugged')
     assert sentence.endswith(': /dev is for devices, choose a directory elsewhere')
@@ -246,7 +246,7 @@ NAMES = NOWHERE | strategies.lists(PIECES | TEXT, min_size=1, max_size=4).map(
 
 @contextlib.contextmanager
 def playground():
-    """Give a directory with things that must stay, and go into one of its own in it."""
+    """Change to a directory in one with files that must not change."""
     with tempfile.TemporaryDirectory() as top:
         inner, here = Path(top, 'a', 'b', 'c', 'd', 'e'), os.getcwd()
         inner.mkdir(parents=True)
@@ -261,14 +261,14 @@ def playground():
 
 
 def words_of(flight, verb, name):
-    """Return a verb with the name of its target."""
+    """Return the command line of a verb with a target."""
     *words, last = (flight if word == 'FLIGHT' else word for word in EVERY_VERB[verb])
     return [*words, f'{last}={name}'] if last.startswith('--') else [*words, last, '--', name]
 
 
 @given(strategies.sampled_from(sorted(TO_FILE)), strategies.booleans(), NAMES)
 def test_any_name_gives_a_file_or_one_sentence(flight, verb, force, name):
-    """Whatever the name is made of, nothing else is touched, and no exception gets out."""
+    """For any name, no other file changes, and no exception escapes."""
     with playground() as top:
         before = snapshot(top)
         status = main(words_of(flight, verb, name) + (['--force'] if force else []))
@@ -283,7 +283,7 @@ def test_any_name_gives_a_file_or_one_sentence(flight, verb, force, name):
 @settings(max_examples=60)
 @given(strategies.sampled_from(sorted(TO_NEW)), NAMES)
 def test_any_name_gives_something_new_or_one_sentence(flight, verb, name):
-    """A directory or a link: what was there before is as it was, and a failure leaves nothing."""
+    """Existing files do not change, and a failure leaves no directory or link."""
     with playground() as top:
         before = snapshot(top)
         status = main(words_of(flight, verb, name))

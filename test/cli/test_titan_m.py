@@ -19,15 +19,15 @@ NOTHING = State(*[(0.0,) * 3] * 4)
 
 
 def run(verb, *words, data=None):
-    """Run a verb and return what it printed, its errors and its exit status."""
+    """Run a verb; return its output, its errors and its exit status."""
     done = subprocess.run(command('bahrs', verb, '--sensor', 'titan_m', *words),
                           input=data, capture_output=True, check=False)
     assert b'Traceback' not in done.stderr
     return done.stdout.decode(), done.stderr.decode(), done.returncode
 
 
-def test_vectors_are_decoded_under_the_names_that_they_have():
-    """All of a payload order in one stream, both LEN."""
+def test_jsonl_of_vectors():
+    """All vectors of a payload order are in one stream, with both values of LEN."""
     vectors = [vector for vector in json.loads(shared_file('vectors/frames.json').read_text())
                if vector['device'] == 'titan_m' and 'request' not in vector['message']]
     for payload in '<>':
@@ -43,8 +43,8 @@ def test_vectors_are_decoded_under_the_names_that_they_have():
                 name: pytest.approx(value) for name, value in vector['si'].items()}
 
 
-def test_csv_has_a_column_a_field():
-    """By axis."""
+def test_csv_has_one_column_per_field():
+    """Vectors have one column per axis."""
     out, _, _ = run('decode', '--format', 'csv', '-', data=build_answer(STATE, 7))
     row, = csv.DictReader(out.splitlines())
     assert (row['message'], row['message_id'], row['offset']) == ('state', '7', '0')
@@ -52,8 +52,8 @@ def test_csv_has_a_column_a_field():
     assert row['zone'] == '' and float(row['angular_rate_y']) == 0.0625
 
 
-def test_csv_has_no_number_for_what_a_receiver_does_not_know():
-    """Without a zone there is no position; values that are no number are none in JSON, too."""
+def test_csv_has_empty_cells_for_unknown_values():
+    """There is no position without a zone. NaN is null in JSON."""
     numbers = Gps(376038.0, 404547.27, 5790639.68, 204.0, (5.6, 43.6, 0.0), 104.0, 30.9, 31.3, 14,
                   True)
     stream = build_answer(numbers) + build_answer(dataclasses.replace(numbers, zone=0))
@@ -69,8 +69,8 @@ def test_csv_has_no_number_for_what_a_receiver_does_not_know():
     assert state['position_ned'] == [None, None, 1.0]
 
 
-def test_answers_that_could_be_of_either_order_are_not_guessed():
-    """A sentence says what would help."""
+def test_ambiguous_byte_order():
+    """The message names the option to set."""
     data = 3 * build_answer(NOTHING)
     out, err, status = run('decode', '--format', 'jsonl', '-', data=data)
     assert (out, status) == ('', 1) and '3 answers are not decoded' in err
@@ -81,8 +81,8 @@ def test_answers_that_could_be_of_either_order_are_not_guessed():
     assert [json.loads(line)['offset'] for line in out.splitlines()] == [0, 56, 112, 168]
 
 
-def test_an_emulated_flight_in_a_file(tmp_path):
-    """As if it had been asked for, with its truth beside it."""
+def test_an_emulated_flight(tmp_path):
+    """The file has the answers to all requests, with the ground truth."""
     file, truth = tmp_path / 'flight.bin', tmp_path / 'truth.jsonl'
     _, err, status = run('emulate', '--output', str(file), '--duration', '20', '--truth',
                          str(truth), '--motion', 'steady-turn', '--payload-order', 'big',
@@ -112,14 +112,14 @@ def test_an_emulated_flight_in_a_file(tmp_path):
     (['--start', '91,0'], "the latitude of the start is '91': it must be a number from -80 to 80"),
     (['--late-answers', '2'], "a share is '2': it must be a number from 0 to 1"),
 ])
-def test_what_cannot_be_emulated(words, sentence):
-    """One sentence."""
+def test_emulate_errors(words, sentence):
+    """The error is one sentence."""
     _, err, status = run('emulate', *words)
     assert status != 0 and sentence in err
 
 
 def test_bytes_without_times_are_not_converted(tmp_path):
-    """Nothing in them tells when an answer came; the sentence says what to do."""
+    """Answers have no times; the message has the remedy."""
     file = tmp_path / 'flight.bin'
     file.write_bytes(build_answer(STATE))
     _, err, status = run('convert', str(file), str(tmp_path / 'out'))
