@@ -31,7 +31,7 @@ def test_show_prints_no_control_characters(capsys, tmp_path):
 
 
 def test_json_of_an_erased_memory(capsys, tmp_path):
-    """NaN becomes null."""
+    """A NaN becomes null."""
     status, text, _ = shown(capsys, tmp_path, b'\xff' * 8000, '--json')
     told = json.loads(text, parse_constant=pytest.fail)
     assert status == 1 and told['installation angles']['roll'] is None

@@ -17,7 +17,7 @@ from support.processes import command, Process, wait_for
     (signal.SIG_IGN, [signal.SIGINT, signal.SIGTERM]),
 ])
 def test_an_ignored_hang_up_stays_ignored(before, kinds):
-    """nohup relies on it."""
+    """The command nohup relies on it."""
     own = signal.signal(signal.SIGHUP, before)
     try:
         assert handled_signals() == kinds
