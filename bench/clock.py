@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Measure the errors of stamps for all cases and methods, and the cost of a stamp.
+Measure the errors of stamps in all cases and by all methods, and the cost of a stamp.
 
-Runs are simulated, for ten minutes each, with seeds that no parameter was tuned on. With --node,
-also measure in a subscriber, through a real pseudo-terminal, the driver and the middleware. Write
+Each run simulates ten minutes; no parameter was tuned with its seeds. With --node, also measure
+in a subscriber, through a real pseudo-terminal, the driver and the middleware. Write
 bench/clock.md and docs/clock.png.
 """
 
@@ -18,7 +18,7 @@ import time
 from bahrs_driver.clock import ClockOptions, SampleClock, Stamped
 from bahrs_driver.protocol.bahrs.roles import ROLES
 from clock_converted import CONVERTED_HEADER, smoothed, through_the_node
-from clock_methods import others, ours, Stamp
+from clock_methods import Stamp, stamps_of_clock, stamps_of_others
 from clock_picture import draw
 from clock_simulation import BYTE_TIME, Case, ORIGIN, plain_ros, Simulation
 from clock_table import figures, HEADER, table
@@ -28,14 +28,14 @@ SEEDS = (101, 102, 103)
 ADAPTERS = {'16 ms timer': 0.016, '62-byte packets': 'packets', '1 ms timer': 0.001,
             'plain': 'plain'}
 SETTLED = 10.0          # s
-STEP_US = 400_000       # less than the steps of the host
+STEP_US = 400_000       # less than the steps of the host's clock
 PULSES = ClockOptions(source='sync_pulse')
 
 
 def stepped(raw: int) -> int:
     """Return the ROS time of a host that is set at 200 s and at 400 s."""
-    since = raw - ORIGIN
-    return plain_ros(raw) + 500_000_000 * (since > 200e9) - 700_000_000 * (since > 400e9)
+    elapsed = raw - ORIGIN
+    return plain_ros(raw) + 500_000_000 * (elapsed > 200e9) - 700_000_000 * (elapsed > 400e9)
 
 
 def slewed(raw: int) -> int:
@@ -54,17 +54,17 @@ CASES = {
     '5 % of time messages wrong': Case(bad_times=0.05),
     'first time message after 2.8 s': Case(first_time_message=2.8),
     'start as in the recording': Case(pause_before=16, pause=2.7),
-    'time messages name the same': Case(label=0),
-    'clock 200 ppm off': Case(drift_ppm=200.0),
+    'time messages name the same sample': Case(label=0),
+    'device clock off by 200 ppm': Case(drift_ppm=200.0),
 }
 
 
 def settled_errors(stamps: list[Stamp], case: Case, settled: float = SETTLED) -> list[float]:
     """
-    Return the errors of a run, without those while the clock settles after power-on.
+    Return the errors of a run, except while the clock settles after power-on.
 
-    Samples measured before a step of the host and read after it have the new time, and are not
-    counted.
+    Samples measured before a step of the host's clock and read after it have the new time. Their
+    errors are as large as the step, and are left out.
     """
     begins = (0.0, *case.restarts)
     return [stamp.error_us for stamp in stamps
@@ -78,26 +78,27 @@ def adapters() -> Iterator[tuple[object, ...]]:
         errors: dict[str, list[float]] = {}
         for seed in SEEDS:
             case = Case(adapter=adapter)
-            for way, stamps in others(case, seed).items():
-                errors.setdefault(way, []).extend(settled_errors(stamps, case))
-            errors.setdefault('**ours**', []).extend(settled_errors(ours(case, seed)[0], case))
+            for method, stamps in stamps_of_others(case, seed).items():
+                errors.setdefault(method, []).extend(settled_errors(stamps, case))
+            errors.setdefault('**this driver**', []).extend(
+                settled_errors(stamps_of_clock(case, seed)[0], case))
             pulsed = replace(case, pulses=(1.0, case.seconds))
-            errors.setdefault('**ours, with pulses**', []).extend(
-                settled_errors(ours(pulsed, seed, PULSES)[0], pulsed))
-        for way, values in errors.items():
-            yield name, way, *figures(values)
+            errors.setdefault('**this driver, with pulses**', []).extend(
+                settled_errors(stamps_of_clock(pulsed, seed, PULSES)[0], pulsed))
+        for method, values in errors.items():
+            yield name, method, *figures(values)
 
 
 def cases() -> Iterator[tuple[object, ...]]:
-    """Yield a row per case of this clock, without and with pulses."""
+    """Yield a row per case, adapter and clock source."""
     for name, case in CASES.items():
         for adapter in ('16 ms timer', '62-byte packets'):
-            for way, options in (('passive', ClockOptions()), ('pulses', PULSES)):
+            for method, options in (('passive', ClockOptions()), ('pulses', PULSES)):
                 run = replace(case, adapter=ADAPTERS[adapter],
                               pulses=(1.0, case.seconds) if options is PULSES else (0.0, 0.0))
-                stamps, clock = ours(run, SEEDS[0], options)
+                stamps, clock = stamps_of_clock(run, SEEDS[0], options)
                 state = clock.state()
-                yield (f'{name}, {adapter}', way, *figures(settled_errors(stamps, run)),
+                yield (f'{name}, {adapter}', method, *figures(settled_errors(stamps, run)),
                        sum(stamp.stamp > stamp.read for stamp in stamps),
                        sum(later.stamp <= earlier.stamp
                            for earlier, later in zip(stamps, stamps[1:])),
@@ -110,7 +111,7 @@ def settling() -> Iterator[tuple[object, ...]]:
         worst = [0.0] * 4
         for seed in range(SEEDS[0], SEEDS[0] + 20):
             case = Case(40.0, adapter, restarts=(20.0,))
-            stamps, _ = ours(case, seed)
+            stamps, _ = stamps_of_clock(case, seed)
             for index, (begin, end) in enumerate(((0, 2.6), (2.6, 20.3), (20.3, 21.9),
                                                   (21.9, 40))):
                 worst[index] = max([worst[index]] + [
@@ -123,15 +124,15 @@ def converted() -> Iterator[tuple[object, ...]]:
     runs = {name: Case(adapter=adapter) for name, adapter in ADAPTERS.items()}
     runs |= {f'{name}, 16 ms timer': CASES[name] for name in (
         '1 % of frames lost', 'device restarted twice', 'overload of 40 s',
-        'temperature, 10 ppm', '5 % of time messages wrong', 'clock 200 ppm off')}
+        'temperature, 10 ppm', '5 % of time messages wrong', 'device clock off by 200 ppm')}
     for name, case in runs.items():
-        for way, stamps in (('live', ours(case, SEEDS[0])[0]),
-                            ('**converted**', smoothed(case, SEEDS[0]))):
-            yield name, way, *figures(settled_errors(stamps, case, 0.0))
+        for method, stamps in (('live', stamps_of_clock(case, SEEDS[0])[0]),
+                               ('**converted**', smoothed(case, SEEDS[0]))):
+            yield name, method, *figures(settled_errors(stamps, case, 0.0))
 
 
 def cost() -> Iterator[tuple[object, ...]]:
-    """Yield a row per adapter: microseconds per message; the floor only makes the tuples."""
+    """Yield a row per adapter: microseconds per message; the floor only creates the tuples."""
     for name, adapter in ADAPTERS.items():
         reads = list(Simulation(Case(60.0, adapter), SEEDS[0]).reads())
         count = sum(len(messages) for _, _, messages in reads)
@@ -170,33 +171,33 @@ def report(node: bool) -> Iterator[str]:
     yield (f'## Adapters\n\nSimulated, {len(SEEDS)} runs of ten minutes, from {SETTLED:.0f} s on. '
            'The other methods use the true device time of every sample.')
     yield table(HEADER, adapters())
-    yield '## Cases\n\nThis clock. The last three columns count stamps.'
-    yield table((*HEADER, 'after their read', 'not increasing', 'dropped'), cases())
-    yield ('## Settling\n\nLargest error of 20 runs. A sample that was held counts at the time of '
-           'the read that released it.')
-    yield table(('adapter', 'first 2 s', 'then, to 20 s', 'first second after a restart',
-                 'then'), settling())
-    yield ('## Conversion of a recording\n\nThe same ten minutes live, and by `bahrs convert`; '
-           'from the first stamp on, settling included.')
+    yield '## Cases\n\nThis driver. The last three columns count stamps.'
+    yield table((*HEADER, 'later than their read', 'not increasing', 'dropped'), cases())
+    yield ('## Settling\n\nLargest error of 20 runs. The time of a held sample is that of the '
+           'read that released it.')
+    yield table(('adapter', 'first 2 s', 'until 20 s', 'first second after a restart',
+                 'until 40 s'), settling())
+    yield ('## Simulated recordings, live and converted\n\nThe same ten minutes live and by '
+           '`bahrs convert`, from the first stamp on, with settling.')
     yield table(HEADER, converted())
-    yield '## Cost\n\nMicroseconds per message, and the floor in the same run.'
+    yield '## Cost\n\nMicroseconds per message, with the floor of the same run.'
     yield table(('adapter', 'messages per read', 'floor', 'clock', 'clock / floor'), cost())
     if node:
         from clock_node import measured, NODE_HEADER
-        yield ('## In a subscriber\n\nEmulated device on a real pseudo-terminal, driver, '
-               'middleware; against the ground truth of the emulator. The floor is the '
-               'minimum delay of each half second from a write into a bare pseudo-terminal to '
-               'its reader: no driver can be more stable than the host.')
+        yield ('## In a subscriber\n\nAn emulated device on a real pseudo-terminal, the driver '
+               'and the middleware, compared with the ground truth of the emulator. The floor is '
+               'the minimum delay of each half second from a write into a pseudo-terminal to its '
+               'reader, without a driver: no driver can be more stable than the host.')
         yield table(NODE_HEADER, measured())
-        yield ('## A flight and its conversion\n\nEmulated device, driver with `publish.raw`, '
-               '`bahrs record`, `bahrs convert`; all stamps of both bags, from the first on.')
+        yield ('## A recorded flight, live and converted\n\nAn emulated device, the driver with '
+               '`publish.raw`, `bahrs record` and `bahrs convert`; all stamps of both bags.')
         yield table(CONVERTED_HEADER, through_the_node())
 
 
 def main() -> int:
     """Write the page and the picture."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('--node', action='store_true', help='also through the real node')
+    parser.add_argument('--node', action='store_true', help='also measure with the driver node')
     options = parser.parse_args()
     parts = []
     for part in report(options.node):

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Errors of the stamps of a flight, live and converted from its raw bytes."""
+"""Measure the errors of the stamps of a flight, live and converted from its raw bytes."""
 
 from collections.abc import Iterator
 import json
@@ -18,7 +18,7 @@ from rosbags.typesys import get_typestore, Stores
 from support.domain import use_own_domain
 from support.processes import driver, running, wait_for
 
-CONVERTED_HEADER = ('latency timer', 'stamps of', 'stamps', 'p50', 'p99', 'max', 'wander p99',
+CONVERTED_HEADER = ('latency timer', 'method', 'stamps', 'p50', 'p99', 'max', 'wander p99',
                     'wander max')
 TIMERS = ('16', 'packets', '1', 'none')
 SECONDS = 20
@@ -45,11 +45,11 @@ def _stamped(simulation: Simulation, reads: list[Read], clock: Clock) -> list[St
 
 
 def through_the_node() -> Iterator[tuple[object, ...]]:
-    """Yield a row per adapter, live and converted, the first seconds included."""
+    """Yield a row per adapter, live and converted, with the first seconds."""
     use_own_domain()
     for timer in TIMERS:
-        for of, errors in _run(timer):
-            yield timer, of, str(len(errors)), *figures(errors)
+        for method, errors in _run(timer):
+            yield timer, method, str(len(errors)), *figures(errors)
 
 
 def _run(timer: str) -> Iterator[tuple[str, list[float]]]:
@@ -69,8 +69,8 @@ def _run(timer: str) -> Iterator[tuple[str, list[float]]]:
             assert converter.wait(LONG) == 0
         lines = map(json.loads, Path(truth_file).read_text().splitlines())
         times = [line['host_unix_ns'] for line in lines if line.get('message') == 'inertial']
-        for of, bag in (('the flight', live), ('bahrs convert', made)):
-            yield of, list(errors_of(_stamps(Path(bag)), times))
+        for method, bag in (('live', live), ('**converted**', made)):
+            yield method, list(errors_of(_stamps(Path(bag)), times))
 
 
 def _stamps(bag: Path) -> list[int]:

@@ -3,7 +3,7 @@
 """
 Measure the delay of this machine, from a write into a pseudo-terminal to its reader.
 
-No reader of a port can be more accurate. Each half second counts with its minimum delay, as in the
+No reader of a port can be more accurate. Of each half second only the minimum is used, as by the
 clock.
 """
 
@@ -32,7 +32,7 @@ while due < end:
 """
 
 
-def least_delays(timer: str) -> list[float]:
+def minimum_delays(timer: str) -> list[float]:
     """Return the minimum delay of each half second in us, with bursts like those of an adapter."""
     near, far = pty.openpty()
     tty.setraw(far)

@@ -1,7 +1,7 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Methods to stamp samples: this clock, and those of other drivers.
+Stamp samples by the clock of this driver, and by the methods of other drivers.
 
 The other methods use more than a driver has: the true device time of every sample.
 """
@@ -76,7 +76,7 @@ OTHERS: dict[str, Callable[[], Callable[[int, int], int]]] = {
     'arrival': Arrival, 'moving average': Average, '5 s minimum': WindowMinimum}
 
 
-def others(case: Case, seed: int) -> dict[str, list[Stamp]]:
+def stamps_of_others(case: Case, seed: int) -> dict[str, list[Stamp]]:
     """Return the stamps of a case by the other methods."""
     simulation = Simulation(case, seed)
     methods = {name: make() for name, make in OTHERS.items()}
@@ -91,9 +91,9 @@ def others(case: Case, seed: int) -> dict[str, list[Stamp]]:
     return stamps
 
 
-def ours(case: Case, seed: int,
-         options: ClockOptions = ClockOptions()) -> tuple[list[Stamp], SampleClock]:
-    """Return the stamps of a case by this clock, and the clock."""
+def stamps_of_clock(case: Case, seed: int,
+                    options: ClockOptions = ClockOptions()) -> tuple[list[Stamp], SampleClock]:
+    """Return the stamps of a case by the clock of this driver, and the clock."""
     simulation, clock = Simulation(case, seed), SampleClock(ROLES, options)
     clock.begin(BYTE_TIME)
     stamps = []

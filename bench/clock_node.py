@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Errors of stamps in a subscriber, through a real pseudo-terminal, driver and middleware."""
+"""Measure the errors of stamps in a subscriber, with a real port, driver and middleware."""
 
 from collections.abc import Iterator
 import json
@@ -8,7 +8,7 @@ from pathlib import Path
 import tempfile
 import time
 
-from clock_floor import least_delays
+from clock_floor import minimum_delays
 from clock_table import figures
 from sensor_msgs.msg import Imu
 from support.domain import use_own_domain
@@ -27,7 +27,7 @@ def measured() -> Iterator[tuple[object, ...]]:
     """Yield a row per adapter and source, and the floor."""
     use_own_domain()
     for timer in TIMERS:
-        floor = least_delays(timer)
+        floor = minimum_delays(timer)
         yield timer, 'floor', str(len(floor)), *figures(floor)
         for source in ('arrival', 'device', 'sync_pulse'):
             errors = list(run(timer, source))
@@ -35,10 +35,10 @@ def measured() -> Iterator[tuple[object, ...]]:
 
 
 def run(timer: str, source: str) -> Iterator[float]:
-    """Yield the errors of a run in us, once settled."""
+    """Yield the errors of a run in us, after the clock has settled."""
     with tempfile.TemporaryDirectory() as folder:
         port, truth_file = f'{folder}/port', Path(folder, 'truth.jsonl')
-        with listening({'imu/data_raw': Imu}) as ear, running(
+        with listening({'imu/data_raw': Imu}) as listener, running(
                 'bahrs', 'emulate', '--link', port, '--wait', '--duration', str(SECONDS[source]),
                 '--truth', str(truth_file), '--latency-timer', timer, '--seed', str(SEED),
                 '--drift-ppm', '30', '--wander-ppm', '0.02', '--sync-pulse-rate', '1') as device:
@@ -46,11 +46,11 @@ def run(timer: str, source: str) -> Iterator[float]:
             with driver(port, time__source=source):
                 device.wait(SECONDS[source] + 60)
                 time.sleep(1.0)         # the driver notices that its port is gone
-        heard = ear.messages['imu/data_raw']
+        received = listener.messages['imu/data_raw']
         lines = (json.loads(line) for line in truth_file.read_text().splitlines())
         truths = [line for line in lines if line.get('message') == 'inertial']
     times = [truth['host_unix_ns'] for truth in truths]
-    stamps = [item.header.stamp.sec * 10 ** 9 + item.header.stamp.nanosec for item in heard]
+    stamps = [item.header.stamp.sec * 10 ** 9 + item.header.stamp.nanosec for item in received]
     yield from errors_of(stamps, times, SETTLED)
 
 
@@ -66,8 +66,8 @@ def _missed(stamps: list[int], truths: list[int]) -> int:
     """
     Return how many samples were sent before the first one received.
 
-    No stamp is much earlier than its sample, and the best are less than a period later. So the
-    largest count for which that holds is the right one.
+    No stamp is much earlier than its sample, and the best stamps are less than a period later. So
+    the largest count for which this holds is the right one.
     """
     least = min(stamp - truth for stamp, truth in zip(stamps, truths))
     return max(0, (least + EARLIEST) // PERIOD)

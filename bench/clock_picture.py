@@ -4,7 +4,7 @@
 
 from pathlib import Path
 
-from clock_methods import others, ours, Stamp
+from clock_methods import Stamp, stamps_of_clock, stamps_of_others
 from clock_simulation import Case
 import matplotlib
 matplotlib.use('Agg')
@@ -12,22 +12,24 @@ from matplotlib import pyplot    # noqa: E402, I100
 
 STYLE = {'arrival': {'color': '#c0c0c0', 'marker': '.', 'linestyle': '', 'markersize': 1.5},
          'moving average': {'color': '#d97706', 'linewidth': 1.0},
-         'ours': {'color': '#1d4ed8', 'linewidth': 1.2}}
+         'this driver': {'color': '#1d4ed8', 'linewidth': 1.2}}
 
 
 def draw(path: Path, case: Case, seed: int) -> None:
     """Draw the errors of a run into a file."""
-    ways: dict[str, list[Stamp]] = {**others(case, seed), 'ours': ours(case, seed)[0]}
+    methods: dict[str, list[Stamp]] = {
+        **stamps_of_others(case, seed), 'this driver': stamps_of_clock(case, seed)[0]}
     figure, (whole, near) = pyplot.subplots(2, 1, sharex=True, figsize=(9, 6))
-    for way, style in STYLE.items():
-        times = [stamp.time for stamp in ways[way]]
-        whole.plot(times, [stamp.error_us / 1000 for stamp in ways[way]], label=way, **style)
-    near.plot([stamp.time for stamp in ways['ours']],
-              [stamp.error_us for stamp in ways['ours']], **STYLE['ours'])
+    for method, style in STYLE.items():
+        stamps = methods[method]
+        whole.plot([stamp.time for stamp in stamps], [stamp.error_us / 1000 for stamp in stamps],
+                   label=method, **style)
+    near.plot([stamp.time for stamp in methods['this driver']],
+              [stamp.error_us for stamp in methods['this driver']], **STYLE['this driver'])
     whole.set_ylim(-2, 40)
     near.set_ylim(0, 200)
     whole.set_ylabel('error / ms')
-    near.set_ylabel('error of ours / µs')
+    near.set_ylabel('error of this driver / µs')
     near.set_xlabel('time since power-on / s')
     whole.legend(loc='upper right', markerscale=6)
     whole.set_title('Error of stamps: adapter with a latency timer of 16 ms')

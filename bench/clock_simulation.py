@@ -4,7 +4,7 @@
 Simulate a device, a line, an adapter and a busy host, with known truth.
 
 The simulation makes messages and the instants of their reads, not bytes, so ten minutes take a few
-seconds. Each stage is a generator over the one before. True time is the host's raw time, in ns.
+seconds. Each stage is a generator over the previous one. True time is the host's raw time, in ns.
 """
 
 from collections import deque
@@ -111,22 +111,22 @@ class Simulation:
     """The reads of a case, and the truth of each message by the offset of its frame."""
 
     def __init__(self, case: Case, seed: int) -> None:
-        """Simulate a case with a seed of all random numbers."""
+        """Simulate a case; the seed determines all random numbers."""
         self.case = case
         self.truths: dict[int, int] = {}            # raw time
         self.device_times: dict[int, int] = {}      # ns
         self._seed = seed
 
     def reads(self, all_sent: Iterator[Sent] | None = None) -> Iterator[Read]:
-        """Yield the reads of the messages that are given, or of the device of the case."""
-        coming: deque[OnLine] = deque()
-        line = _noted(_line(all_sent or _device(self.case, self._seed)), coming)
+        """Yield the reads of the given messages, or of those of the simulated device."""
+        undelivered: deque[OnLine] = deque()
+        line = _tee(_line(all_sent or _device(self.case, self._seed)), undelivered)
         source = random.Random(f'loss {self._seed}')
         faulty = ORIGIN + min(self.case.faults_until, 1e9) * NS_PER_S
         for time, received in _host(self.case, self._seed, _deliveries(self.case.adapter, line)):
             messages = []
-            while coming and coming[0].offset + coming[0].size <= received:
-                item = coming.popleft()
+            while undelivered and undelivered[0].offset + undelivered[0].size <= received:
+                item = undelivered.popleft()
                 if source.random() >= self.case.loss or time > faulty:
                     self.truths[item.offset] = item.sent.truth
                     self.device_times[item.offset] = item.sent.device
@@ -211,9 +211,10 @@ def _line(all_sent: Iterator[Sent]) -> Iterator[OnLine]:
         yield item
 
 
-def _noted(line: Iterator[OnLine], coming: deque[OnLine]) -> Iterator[OnLine]:
+def _tee(line: Iterator[OnLine], copy: deque[OnLine]) -> Iterator[OnLine]:
+    """Yield the messages on the line, and append each to a copy."""
     for item in line:
-        coming.append(item)
+        copy.append(item)
         yield item
 
 
@@ -259,19 +260,19 @@ def _host(case: Case, seed: int,
           deliveries: Iterator[tuple[int, int]]) -> Iterator[tuple[int, int]]:
     """Yield the times of the reads, a little after delivery, and the bytes by then."""
     source = random.Random(f'host {seed}')
-    wake = had = 0
+    wake = available = 0
     for arrival, received in deliveries:
         if arrival > wake:
-            if had:
-                yield wake, had
-            wake = arrival + _wake_up(case, source, arrival)
-        had = received
-    if had:
-        yield wake, had
+            if available:
+                yield wake, available
+            wake = arrival + _read_delay(case, source, arrival)
+        available = received
+    if available:
+        yield wake, available
 
 
-def _wake_up(case: Case, source: random.Random, time: int) -> int:
-    """Return the delay of a read in ns: at least 40 us, and a long one now and then."""
+def _read_delay(case: Case, source: random.Random, time: int) -> int:
+    """Return the delay of a read in ns: at least 40 us, and sometimes much longer."""
     begin, end = (ORIGIN + bound * NS_PER_S for bound in case.overload)
     if begin <= time < end:
         return round(source.uniform(5e6, 200e6))

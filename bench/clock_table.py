@@ -5,7 +5,7 @@
 from collections.abc import Iterable, Sequence
 from statistics import median
 
-HEADER = ('case', 'way', 'p50', 'p99', 'max', 'wander p99', 'wander max')
+HEADER = ('case', 'method', 'p50', 'p99', 'max', 'wander p99', 'wander max')
 
 
 def quantile(values: Sequence[float], share: float) -> float:

@@ -1,7 +1,7 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-How fast the node ends: starts with a signal at a random moment, a third with the clock set back.
+Measure how fast the node ends after a signal at a random time; a third with the clock set back.
 
     PYTHONPATH=bench:test python bench/exits.py 300
 """

@@ -1,10 +1,10 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Measure what a frame costs on its way from bytes to ROS messages, in microseconds of one core.
+Measure the cost of a frame from bytes to ROS messages, in microseconds of one core.
 
-The floor is the least that Python needs: cut the bytes at known places, run zlib over each frame
-and one struct over its payload. Each figure is the best of several runs, also as a multiple of the
+The floor is the minimum for Python: cut the bytes at known offsets, run zlib over each frame and
+one struct over its payload. Each figure is the best of several runs, also as a multiple of the
 floor, which is measured in the same run.
 """
 
@@ -53,7 +53,7 @@ def stream() -> list[bytes]:
 
 
 def best(work: Callable[[], object], frames: int) -> float:
-    """Return microseconds a frame in the best of several runs."""
+    """Return the microseconds per frame of the fastest of several runs."""
     times = []
     for _ in range(RUNS):
         begin = time.perf_counter()
@@ -126,9 +126,9 @@ def main() -> None:
         ('emulating the device', best(emulate, count)),
     ]
     rate = count / SECONDS
-    print(f'{count:,} frames; a device sends {rate:.0f} a second')
+    print(f'{count:,} frames; a device sends {rate:.0f} per second')
     for name, cost in rows:
-        print(f'{name:<32}{cost:8.2f} us a frame {cost / base:7.1f} x floor '
+        print(f'{name:<32}{cost:8.2f} us per frame {cost / base:7.1f} x floor '
               f'{cost * rate / 1e4:6.2f} % of a core')
 
 
