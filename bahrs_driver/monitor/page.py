@@ -5,7 +5,6 @@
 from itertools import groupby, islice
 import math
 import time
-from typing import NamedTuple
 
 from bahrs_driver.monitor.hints import no_driver_hint, no_topics_hint, shared_name_hint
 from bahrs_driver.monitor.horizon import heading_tape, horizon, no_horizon
@@ -30,15 +29,6 @@ MAX_SIGNAL_LENGTH = 24      # characters
 _GAP = '   '
 _COMPONENTS = ('_x', '_y', '_z')
 _ASCII = str.maketrans('✓✗░▄▀─·━╋ω°µ', '+x#_"--=+w*u')
-
-
-class _Summary(NamedTuple):
-    """The state of driver and device, in the title."""
-
-    word: str
-    text: str
-    colour: str = 'red'         # of the word
-    text_colour: str = 'red'
 
 
 class Page:
@@ -78,31 +68,31 @@ class Page:
         return page
 
     def _title(self, width: int) -> Text:
-        summary = self._summary()
-        title = Text(f' {summary.word} ', f'bold reverse {summary.colour}')
-        title.append(f' {summary.text}', summary.text_colour)
+        colour, word, text = self._summary()
+        title = Text(f' {word} ', f'bold reverse {colour}').append(f' {text}', colour)
         clock = time.strftime('%H:%M:%S UTC', time.gmtime())
         title.truncate(width - len(clock) - 1, overflow='ellipsis', pad=True)
         return title.append(f' {clock}', 'bold')
 
-    def _summary(self) -> _Summary:
+    def _summary(self) -> tuple[str, str, str]:
+        """Return the state of driver and device as a colour, a word and a sentence."""
         watch = self._watch
         if not watch.driver_seen:
-            return _Summary('NO DRIVER', no_driver_hint(watch))
+            return 'red', 'NO DRIVER', no_driver_hint(watch)
         if watch.health.age > DRIVER_TIMEOUT and watch.data_age > DATA_TIMEOUT:
-            return _Summary('DRIVER GONE', f'nothing received {_since_when(watch)}: '
-                                           f'{no_driver_hint(watch)}')
+            return 'red', 'DRIVER GONE', \
+                f'nothing received {_since_when(watch)}: {no_driver_hint(watch)}'
         if watch.health.shared_name:
-            return _Summary('TWO DRIVERS', shared_name_hint(watch))
+            return 'red', 'TWO DRIVERS', shared_name_hint(watch)
         if watch.data_age > DATA_TIMEOUT:
-            return _Summary('NO DATA', self._why_no_data())
+            return 'red', 'NO DATA', self._why_no_data()
         if watch.health.age > DRIVER_TIMEOUT:
-            return _Summary('LIVE', 'no diagnostics are received', 'green', '')
+            return 'green', 'LIVE', 'no diagnostics are received'
         worst = max(watch.health.tasks.values(), key=lambda status: status.level)
         if worst.level == DiagnosticStatus.OK:
-            return _Summary('LIVE', self._device(), 'green', '')
+            return 'green', 'LIVE', self._device()
         word, colour = level_word(worst.level)
-        return _Summary(word, worst.message, colour, colour)
+        return colour, word, worst.message
 
     def _why_no_data(self) -> str:
         link = self._watch.health.tasks.get('Link')

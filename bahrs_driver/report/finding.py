@@ -29,7 +29,7 @@ class Finding(NamedTuple):
         return {'level': self.severity.value, 'text': self.text}
 
 
-def format_time(seconds: float) -> str:
+def time_text(seconds: float) -> str:
     """Return a time since the first sample as m:ss.s, or h:mm:ss.s from an hour on."""
     minutes, tenths = divmod(round(seconds * 10), 600)
     if minutes >= 60:

@@ -7,15 +7,7 @@ from collections.abc import Iterator
 from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.report.clock import ClockAnalysis
-from bahrs_driver.report.finding import (
-    ERROR,
-    Finding,
-    format_time,
-    GOOD,
-    NOTICE,
-    Severity,
-    WARNING,
-)
+from bahrs_driver.report.finding import ERROR, Finding, GOOD, NOTICE, Severity, time_text, WARNING
 from bahrs_driver.report.gather import Recording
 from bahrs_driver.report.integrity import integrity_findings
 from bahrs_driver.report.time_axis import Break, BreakKind, TimeAxis, UNKNOWN_PAUSE
@@ -71,7 +63,7 @@ def _lost_samples(recording: Recording) -> Iterator[Finding]:
     longest = max(gaps, key=lambda gap: gap.missing)
     yield Finding(WARNING, f'{missing:,} inertial samples are missing ({share:.2%}), at '
                   f'{len(gaps):,} places; the longest gap is {longest.seconds:.3f} s at '
-                  f'{format_time(axis.seconds[longest.index])}.')
+                  f'{time_text(axis.seconds[longest.index])}.')
 
 
 def _pauses(recording: Recording) -> Iterator[Finding]:
@@ -81,9 +73,9 @@ def _pauses(recording: Recording) -> Iterator[Finding]:
         total = sum(pause.seconds for pause in pauses)
         longest = max(pauses, key=lambda pause: pause.seconds)
         silences = [f'{total:.1f} s in {len(pauses):,} pauses, the longest '
-                    f'{longest.seconds:.1f} s before {format_time(axis.seconds[longest.index])}']
+                    f'{longest.seconds:.1f} s before {time_text(axis.seconds[longest.index])}']
     else:
-        silences = [f'{pause.seconds:.1f} s before {format_time(axis.seconds[pause.index])}'
+        silences = [f'{pause.seconds:.1f} s before {time_text(axis.seconds[pause.index])}'
                     for pause in pauses]
     for silence in silences:
         yield Finding(NOTICE, f'The device sent nothing for {silence}, and its sample counter '
@@ -92,7 +84,7 @@ def _pauses(recording: Recording) -> Iterator[Finding]:
 
 def _restarts(recording: Recording) -> Iterator[Finding]:
     axis = recording.time_axis
-    times = [format_time(axis.seconds[restart.index])
+    times = [time_text(axis.seconds[restart.index])
              for restart in _breaks(axis, BreakKind.RESTARTED)]
     if times:
         listed = ', '.join(times[:MAX_LISTED])
@@ -113,13 +105,11 @@ def _rates(recording: Recording) -> Iterator[Finding]:
     if sending < MIN_DURATION:
         yield Finding(WARNING, f'There is only {recording.duration:.1f} s of data.')
         return
-    for name, signals, nominal in (
-            ('Inertial', recording.inertial, recording.inertial_rate),
-            ('Navigation', recording.navigation, recording.navigation_rate)):
+    for name, signals in (('Inertial', recording.inertial), ('Navigation', recording.navigation)):
         rate = len(signals.seconds) / sending
-        if abs(rate / nominal - 1) > RATE_TOLERANCE:
+        if abs(rate / signals.rate - 1) > RATE_TOLERANCE:
             yield Finding(WARNING, f'{name} messages arrive {rate:.1f} times a second instead of '
-                                   f'{nominal:.0f}.')
+                                   f'{signals.rate:.0f}.')
 
 
 def _saturation(recording: Recording) -> Iterator[Finding]:

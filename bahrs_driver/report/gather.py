@@ -6,6 +6,7 @@ from array import array
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+import math
 from typing import Any
 
 from bahrs_driver.bag.capture import Capture
@@ -35,6 +36,7 @@ class Signals:
     values: dict[str, Array]            # by the name of the field; float32
     health: Array                       # (n, signals), the numbers of Integrity
     names: tuple[str, ...]              # of the signals: a vector has one per component
+    rate: float = math.nan              # Hz, nominal
 
     def available(self, field: str) -> Array:
         """Return the values of a field, NaN where the device reports them as not available."""
@@ -71,9 +73,7 @@ class Recording:
     hardware: Any                       # version message, if received
     time_axis: TimeAxis
     inertial: Signals
-    inertial_rate: float                # Hz, nominal
     navigation: Signals
-    navigation_rate: float              # Hz, nominal
     accuracy: Signals
     pulses: Array                       # times of sync pulses, s
     reads: Reads | None
@@ -132,49 +132,52 @@ def gather(capture: Capture, recording_format: RecordingFormat,
 
 def _recording(capture: Capture, batch: Batch, counters: PipelineCounters,
                recording_format: RecordingFormat, reads: Reads | None) -> Recording:
-    counts, versions = Counter[str](), Counter[int]()
-    for header, count in batch.counts().items():
-        counts[recording_format.layouts[header].message.NAME] += count
-        versions[recording_format.version(header)] += count
-    usual_version = versions.most_common(1)[0][0] if versions else None
-    roles = recording_format.roles
-    inertial, navigation = batch.take(roles.sample), batch.take(roles.navigation)
-    accuracy = batch.take(recording_format.accuracy)
-    period = roles.sample_period * S_PER_NS
-    axis = make_time_axis(inertial['offset'], inertial['sequence'], batch.take(roles.sample_time),
+    counts, versions = _count_frames(batch, recording_format)
+    roles, period = recording_format.roles, recording_format.roles.sample_period * S_PER_NS
+    samples = batch.take(roles.sample)
+    axis = make_time_axis(samples['offset'], samples['sequence'], batch.take(roles.sample_time),
                           period)
 
     def times(messages: Array) -> Array:
         """Return the times of messages: those of the inertial samples before them."""
-        if not len(inertial):
+        if not len(samples):
             return np.arange(len(messages)) * period * roles.samples_per_navigation
-        return np.asarray(axis.seconds[
-            np.searchsorted(inertial['offset'], messages['offset']).clip(1) - 1])
+        latest = np.searchsorted(samples['offset'], messages['offset']).clip(1) - 1
+        return np.asarray(axis.seconds[latest])
+
+    def signals(message: type[Message], rate: float = math.nan) -> Signals:
+        messages = batch.take(message)
+        return _signals(message, times(messages), messages, rate)
 
     return Recording(
-        name=capture.path.name, device=recording_format.label,
-        limits=recording_format.limits(max(versions, default=None)),
-        size=counters.bytes_received, counters=counters.framing,
-        counts=dict(counts), versions=dict(versions),
-        crc_order=recording_format.checksum_order(),
-        software=_last(recording_format.software, batch),
-        hardware=_last(recording_format.hardware, batch),
-        time_axis=axis, inertial=_signals(roles.sample, axis.seconds, inertial),
-        inertial_rate=1 / period,
-        navigation=_signals(roles.navigation, times(navigation), navigation),
-        navigation_rate=1 / period / roles.samples_per_navigation,
-        accuracy=_signals(recording_format.accuracy, times(accuracy), accuracy),
-        pulses=times(batch.take(roles.sync_pulse)), reads=reads,
-        inertial_end=inertial['offset'] + recording_format.sample_size(usual_version),
+        capture.path.name, recording_format.label,
+        recording_format.limits(max(versions, default=None)), counters.bytes_received,
+        counters.framing, dict(counts), dict(versions), recording_format.checksum_order(),
+        _last(recording_format.software, batch), _last(recording_format.hardware, batch), axis,
+        inertial=_signals(roles.sample, axis.seconds, samples, 1 / period),
+        navigation=signals(roles.navigation, 1 / period / roles.samples_per_navigation),
+        accuracy=signals(recording_format.accuracy), pulses=times(batch.take(roles.sync_pulse)),
+        reads=reads, inertial_end=samples['offset'] + recording_format.sample_size(
+            max(versions, key=versions.__getitem__, default=None)),
         openings=counters.streams, notes=capture.notes)
 
 
-def _signals(message: type[Message], seconds: Array, messages: Array) -> Signals:
-    names = [name for name in messages.dtype.names or () if name not in _NOT_VALUES]
+def _count_frames(batch: Batch, recording_format: RecordingFormat
+                  ) -> tuple[Counter[str], Counter[int]]:
+    """Count frames by the name of the message, and by protocol version."""
+    counts, versions = Counter[str](), Counter[int]()
+    for header, count in batch.counts().items():
+        counts[recording_format.layouts[header].message.NAME] += count
+        versions[recording_format.version(header)] += count
+    return counts, versions
+
+
+def _signals(message: type[Message], seconds: Array, messages: Array, rate: float) -> Signals:
+    values = {name: messages[name].astype(np.float32) for name in messages.dtype.names or ()
+              if name not in _NOT_VALUES}
     health = messages['health'].copy() if message.SIGNALS else \
         np.empty((len(messages), 0), np.uint8)
-    return Signals(seconds, {name: messages[name].astype(np.float32) for name in names}, health,
-                   message.SIGNALS)
+    return Signals(seconds, values, health, message.SIGNALS, rate)
 
 
 def _last(message: type[Message], batch: Batch) -> Message | None:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from bahrs_driver.protocol.batch import Array
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.report.finding import Finding, format_time, GOOD, NOTICE, Severity, WARNING
+from bahrs_driver.report.finding import Finding, GOOD, NOTICE, Severity, time_text, WARNING
 from bahrs_driver.report.gather import Recording, Signals
 import numpy as np
 
@@ -84,14 +84,14 @@ def _describe(intervals: list[Interval], from_start: bool) -> str:
 
 def _list_intervals(intervals: list[Interval]) -> str:
     if len(intervals) <= MAX_LISTED:
-        return _join([f'{seconds:.2f} s from {format_time(begin)}'
+        return _join([f'{seconds:.2f} s from {time_text(begin)}'
                       for begin, seconds in intervals])
     total = sum(interval.seconds for interval in intervals)
     longest = max(intervals, key=lambda interval: interval.seconds)
     first, last = intervals[0], intervals[-1]
-    return (f'{total:.2f} s in {len(intervals):,} intervals from {format_time(first.begin)} to '
-            f'{format_time(last.begin + last.seconds)}, the longest {longest.seconds:.2f} s '
-            f'from {format_time(longest.begin)}')
+    return (f'{total:.2f} s in {len(intervals):,} intervals from {time_text(first.begin)} to '
+            f'{time_text(last.begin + last.seconds)}, the longest {longest.seconds:.2f} s '
+            f'from {time_text(longest.begin)}')
 
 
 def _list_signals(names: list[str]) -> str:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Analyze the noise of a device at rest: statistics, spectral lines and Allan deviation."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 import math
 
@@ -17,6 +17,7 @@ import numpy as np
 MIN_REST = 60.0             # s of rest, below which noise is not analyzed
 COMPONENTS = ('x', 'y', 'z')
 DEG_PER_H = math.degrees(1) * 3600      # of a rad/s
+Row = tuple[str, list[str]]
 
 
 @dataclass(frozen=True)
@@ -43,28 +44,18 @@ def analyze_noise(recording: Recording, rest: Rest) -> RestNoise:
                      [allan_deviation(column, period) for column in rate.T])
 
 
-def table_rows(noise: RestNoise) -> list[tuple[str, list[str]]]:
+def table_rows(noise: RestNoise) -> list[Row]:
     """Return the rows of a table: name with unit, and the values of x, y and z as texts."""
+    degrees = math.degrees(1)
     return [
-        ('rate: mean [°/s]', _formatted(math.degrees(1) * noise.rate.mean(axis=0))),
-        ('rate: standard deviation [°/s]', _formatted(math.degrees(1) * noise.rate.std(axis=0))),
-        ('rate: strongest line [Hz]', _strongest_lines(noise.rate, noise.period)),
-        ('rate: N, angle random walk [°/√h]', _coefficients(
-            noise.rate_allan, 'white_noise', math.degrees(1) * 60)),
-        ('rate: B, bias instability [°/h]', _coefficients(
-            noise.rate_allan, 'bias_instability', DEG_PER_H)),
-        ('rate: K, rate random walk [°/h/√h]', _coefficients(
-            noise.rate_allan, 'random_walk', DEG_PER_H * 60)),
-        ('force: mean [m/s²]', _formatted(noise.force.mean(axis=0))),
-        ('force: standard deviation [m/s²]', _formatted(noise.force.std(axis=0))),
-        ('force: strongest line [Hz]', _strongest_lines(noise.force, noise.period)),
-        ('force: N, velocity random walk [m/s/√h]', _coefficients(
-            noise.force_allan, 'white_noise', 60)),
-        ('force: B, bias instability [µg]', _coefficients(
-            noise.force_allan, 'bias_instability', 1e6 / STANDARD_GRAVITY)),
-        ('force: K, random walk [m/s²/√h]', _coefficients(
-            noise.force_allan, 'random_walk', 60)),
-    ]
+        *_rows('rate', '°/s', noise.rate * degrees, noise.period, noise.rate_allan, (
+            ('N, angle random walk [°/√h]', 'white_noise', degrees * 60),
+            ('B, bias instability [°/h]', 'bias_instability', DEG_PER_H),
+            ('K, rate random walk [°/h/√h]', 'random_walk', DEG_PER_H * 60))),
+        *_rows('force', 'm/s²', noise.force, noise.period, noise.force_allan, (
+            ('N, velocity random walk [m/s/√h]', 'white_noise', 60.0),
+            ('B, bias instability [µg]', 'bias_instability', 1e6 / STANDARD_GRAVITY),
+            ('K, random walk [m/s²/√h]', 'random_walk', 60.0)))]
 
 
 def remarks(noise: RestNoise) -> list[str]:
@@ -84,16 +75,15 @@ def remarks(noise: RestNoise) -> list[str]:
     return sentences
 
 
-def _formatted(values: Array) -> list[str]:
-    return [f'{value:.4f}' for value in values]
-
-
-def _strongest_lines(values: Array, period: float) -> list[str]:
+def _rows(quantity: str, unit: str, values: Array, period: float, curves: Sequence[AllanDeviation],
+          coefficients: Iterable[tuple[str, str, float]]) -> Iterator[Row]:
+    """Yield rows; coefficients are (title, attribute of AllanDeviation, factor to its unit)."""
+    yield f'{quantity}: mean [{unit}]', [f'{mean:.4f}' for mean in values.mean(axis=0)]
+    yield f'{quantity}: standard deviation [{unit}]', [f'{std:.4f}' for std in values.std(axis=0)]
     lines = [find_lines(column, period).strongest for column in values.T]
-    return ['none' if frequency is None else f'{frequency:.1f}' for frequency in lines]
-
-
-def _coefficients(curves: Sequence[AllanDeviation], name: str, factor: float) -> list[str]:
-    """Return a coefficient of each curve in the unit of the table, or why it has none."""
-    return [reason if value is None else f'{value * factor:.3g}'
+    yield f'{quantity}: strongest line [Hz]', [
+        'none' if frequency is None else f'{frequency:.1f}' for frequency in lines]
+    for title, name, factor in coefficients:
+        yield f'{quantity}: {title}', [
+            reason if value is None else f'{value * factor:.3g}'
             for value, reason in (getattr(curve, name) for curve in curves)]

@@ -11,7 +11,7 @@ import time
 from bahrs_driver.process.printable import printable
 from bahrs_driver.report import noise_plots, plots
 from bahrs_driver.report.clock import analyze_clock, ClockAnalysis
-from bahrs_driver.report.finding import format_time
+from bahrs_driver.report.finding import time_text
 from bahrs_driver.report.findings import findings
 from bahrs_driver.report.gather import Recording
 from bahrs_driver.report.noise import analyze_noise, MIN_REST, remarks, table_rows
@@ -125,7 +125,7 @@ def _noise(recording: Recording) -> Iterator[str]:
                'needed.</p>')
         return
     noise = analyze_noise(recording, rest)
-    yield _section(f'Noise at rest, {noise.seconds:.0f} s from {format_time(noise.begin)}',
+    yield _section(f'Noise at rest, {noise.seconds:.0f} s from {time_text(noise.begin)}',
                    _SPECTRUM, noise_plots.spectrum(noise))
     yield f'<p>{_text(_ALLAN)}</p>' + _image(noise_plots.deviation(noise), 'Allan deviation')
     yield _table([('', ['x', 'y', 'z']), *table_rows(noise)])

@@ -126,14 +126,13 @@ def data_rate(recording: Recording) -> Figure:
     width = max(1.0, recording.duration / 1000)
     edges = np.arange(0.0, max(recording.duration, width) + width, width)
     whole = edges[1:] <= recording.duration
-    for signals, nominal, colour, label in (
-            (recording.inertial, recording.inertial_rate, COLOURS[0], 'inertial'),
-            (recording.navigation, recording.navigation_rate, COLOURS[1], 'navigation')):
+    for signals, colour, label in ((recording.inertial, COLOURS[0], 'inertial'),
+                                   (recording.navigation, COLOURS[1], 'navigation')):
         counts, _ = np.histogram(signals.seconds, edges)
         axes.stairs(counts[whole] / width, edges[:1 + np.count_nonzero(whole)], color=colour,
                     lw=1.1, label=label, baseline=None)
-        axes.axhline(nominal, color=colour, lw=0.8, ls=':')
-    axes.set_ylim(0, 1.15 * recording.inertial_rate)
+        axes.axhline(signals.rate, color=colour, lw=0.8, ls=':')
+    axes.set_ylim(0, 1.15 * recording.inertial.rate)
     axes.yaxis.set_major_locator(MaxNLocator(5))
     axes.set_ylabel('messages\nper second')
     draw_legend(axes)

@@ -13,7 +13,7 @@ from bahrs_driver.virtual_serial.cable import adapter_mode
 import numpy as np
 import pytest
 from support.emulated import make_device, make_emulation
-from support.recorded import gathered, MadeUp, recorded
+from support.recorded import EmulatedCapture, gathered, recorded
 from support.shared_files import shared_file
 
 
@@ -70,7 +70,7 @@ def test_adapter_with_a_long_latency_timer():
 
 def test_step_of_the_host_clock():
     """The step is counted, and does not change the delays."""
-    class Stepped(MadeUp):
+    class Stepped(EmulatedCapture):
         def chunks(self):
             for chunk in super().chunks():
                 late = chunk.ros_ns > 1_700_000_015_000_000_000
@@ -82,7 +82,7 @@ def test_step_of_the_host_clock():
 
 def test_stalled_host():
     """A stall is neither a step nor a drift of the clock."""
-    class Stalled(MadeUp):
+    class Stalled(EmulatedCapture):
         def chunks(self):
             held, until = b'', 1_700_000_018_000_000_000
             for chunk in super().chunks():
@@ -99,7 +99,7 @@ def test_stalled_host():
 
 def test_step_of_the_host_clock_with_raw_times():
     """A step of 2 ms against CLOCK_MONOTONIC_RAW is counted, whatever the delays."""
-    class Stepped(MadeUp):
+    class Stepped(EmulatedCapture):
         def chunks(self):
             for chunk in super().chunks():
                 late = chunk.ros_ns > 1_700_000_015_000_000_000
@@ -125,7 +125,7 @@ def test_losses_and_damage():
 def test_integrity_findings():
     """Signals that were unsafe at the same times share a finding."""
     emulation = make_emulation()
-    made = MadeUp(emulation, 20.0)
+    made = EmulatedCapture(emulation, 20.0)
     signals = emulation.device.signals
 
     plan = [(5.0, signals[:3], Integrity.UNAVAILABLE), (8.0, signals[:3], Integrity.SAFE),

@@ -6,7 +6,7 @@ import re
 from types import SimpleNamespace
 
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.report.finding import format_time, GOOD, NOTICE, WARNING
+from bahrs_driver.report.finding import GOOD, NOTICE, time_text, WARNING
 from bahrs_driver.report.gather import Signals
 from bahrs_driver.report.integrity import find_intervals, integrity_findings, MAX_STEP
 from hypothesis import given, strategies as st
@@ -97,15 +97,15 @@ def test_no_interval_is_hidden(lengths, first, pauses):
         assert f'for the first {startup.seconds:.2f} s' in text
     if found:
         longest = max(found, key=lambda interval: interval.seconds)
-        assert f'{longest.seconds:.2f} s from {format_time(longest.begin)}' in text
+        assert f'{longest.seconds:.2f} s from {time_text(longest.begin)}' in text
     assert MAX_STEP > PERIOD
 
 
 @given(st.floats(0.0, 1e6))
-def test_format_time(seconds):
+def test_time_text(seconds):
     """No minute has 60 seconds, and no tenth is lost."""
     hours, minutes, rest = re.fullmatch(
-        r'(?:(\d+):)?(\d+):(\d\d\.\d)', format_time(seconds)).groups()
+        r'(?:(\d+):)?(\d+):(\d\d\.\d)', time_text(seconds)).groups()
     assert float(rest) < 60.0 and (hours is None or int(minutes) < 60)
     assert int(hours or 0) * 3600 + int(minutes) * 60 + float(rest) == pytest.approx(
         seconds, abs=0.051)

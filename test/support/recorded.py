@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings made of emulated devices, with and without the times of reads."""
+"""Recordings of emulated devices, with and without the times of reads."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,21 +16,21 @@ START = 1_700_000_000_000_000_000       # ns since the epoch
 BYTE_NS = 86_806                        # at 115200 baud
 
 
-class MadeUp(Capture):
-    """What an emulated device sends, read so often."""
+class EmulatedCapture(Capture):
+    """A capture of the output of an emulated device."""
 
     byte_ns = BYTE_NS
     timed = True
 
     def __init__(self, emulation: Emulation, seconds: float, every: float = 0.002,
                  timed: bool = True) -> None:
-        """Read every so many seconds."""
+        """Capture a duration in seconds, with a read every `every` seconds."""
         super().__init__(Path('made_up.bin'), 0)
         self._emulation, self._seconds, self._every = emulation, seconds, every
         self._timed = timed
 
     def chunks(self) -> Iterator[Chunk]:
-        """Yield what comes, a read at a time."""
+        """Yield the reads."""
         for index in range(round(self._seconds / self._every)):
             now = index * self._every
             list(self._emulation.advance(now))
@@ -48,4 +48,4 @@ def gathered(capture: Capture) -> Recording:
 def recorded(emulation: Emulation | None = None, seconds: float = 10.0, every: float = 0.002,
              timed: bool = True) -> Recording:
     """Return the recording of an emulated device."""
-    return gathered(MadeUp(emulation or make_emulation(), seconds, every, timed))
+    return gathered(EmulatedCapture(emulation or make_emulation(), seconds, every, timed))
