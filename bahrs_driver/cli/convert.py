@@ -19,7 +19,7 @@ from bahrs_driver.cli.node_options import checked_namespace
 from bahrs_driver.cli.printing import warn
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.devices.registry import DEVICES
-from bahrs_driver.errors import CaptureError, CommandError, ParameterError, WriteError
+from bahrs_driver.errors import CaptureError, CommandError, WriteError
 from bahrs_driver.files.new_directory import new_directory
 from bahrs_driver.process.printable import printable
 from bahrs_driver.reprocess.conversion import Conversion, ConversionResult
@@ -67,21 +67,18 @@ def run(options: argparse.Namespace) -> int:
     """Convert a recording."""
     options.namespace = checked_namespace(options.namespace)
     _refuse_pipe(options.input)
-    try:
-        capture = open_capture(options.input, options.topic)
-        name = sensor_of(capture, options.sensor)
-        if DEVICES[name].roles is None and not capture.timed:
-            raise CommandError(f'{options.input} cannot be converted: answers of a {name} have no '
-                               'times; record the topic raw, or show them with bahrs decode')
-        settings, notes = read_settings(options.parameters, name)
-        conversion = Conversion(capture, settings, DEVICES[name], options.start)
-        with new_directory(options.output) as folder:
-            with _shown_as(options.output, folder):
-                result = _convert(options, conversion, capture, folder)
-            if not result.frames:
-                raise CommandError(f'no frame of a {name} in {options.input}')
-    except (CaptureError, ParameterError, WriteError) as error:
-        raise CommandError(str(error)) from error
+    capture = open_capture(options.input, options.topic)
+    name = sensor_of(capture, options.sensor)
+    if DEVICES[name].roles is None and not capture.timed:
+        raise CommandError(f'{options.input} cannot be converted: answers of a {name} have no '
+                           'times; record the topic raw, or show them with bahrs decode')
+    settings, notes = read_settings(options.parameters, name)
+    conversion = Conversion(capture, settings, DEVICES[name], options.start)
+    with new_directory(options.output) as folder:
+        with _shown_as(options.output, folder):
+            result = _convert(options, conversion, capture, folder)
+        if not result.frames:
+            raise CommandError(f'no frame of a {name} in {options.input}')
     _report(options, [*unused_options(options, capture.timed), *notes, *capture.notes,
                       *conversion.notices, *result.clock_steps], result)
     return 0

@@ -47,15 +47,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--baud-rate', type=int, default=115200, metavar='BAUD',
                         help='rate to try first (default: %(default)s)')
     parser.add_argument('--namespace', metavar='NAME',
-                        help='check only drivers in this namespace, / for the root (default: '
-                             'any)')
+                        help='check only drivers in this namespace (default: any)')
     parser.add_argument('--no-listen', action='store_true',
                         help='do not open the port')
     parser.add_argument('--ask', action='store_true',
                         help='send requests, for a device that only answers')
     parser.add_argument('--json', action='store_true',
-                        help='print one JSON array of objects with check, level, message and '
-                             'command')
+                        help='print one JSON array of check, level, message and command')
     parser.add_argument('--root', type=Path, default=Path('/'), help=argparse.SUPPRESS)
 
 

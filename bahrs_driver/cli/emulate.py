@@ -66,8 +66,8 @@ def _add_general_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--wait', action='store_true',
                         help='switch the device on when a program opens the port')
     parser.add_argument('--output', metavar='FILE',
-                        help='write the bytes to a file, as fast as possible, instead of '
-                             'creating a port; - is standard output')
+                        help='write the bytes to a file, as fast as possible; - is standard '
+                             'output')
     parser.add_argument('--duration', type=bounded_float('a duration'), default=math.inf,
                         metavar='SECONDS', help='end after this time (default: never)')
     parser.add_argument('--baud-rate', type=bounded_float('a baud rate', 1200, 4e6),
@@ -89,14 +89,12 @@ def _add_motion_options(parser: argparse.ArgumentParser) -> None:
                        help='motion of the vehicle (default: %(default)s)')
     group.add_argument('--noise', type=argument_type(parse_deviation), action='append', default=[],
                        metavar='NAME=STDDEV',
-                       help='white noise in SI units; repeat the option for each quantity '
-                            '(default: '
+                       help='white noise in SI units; repeat for each quantity (default: '
                             + ', '.join(f'{name}={value:g}'
                                         for name, value in DEVIATIONS.items()) + ')')
     group.add_argument('--bias', type=argument_type(parse_bias), action='append', default=[],
                        metavar='NAME=VALUE[,VALUE,VALUE]',
-                       help='constant error of each component in SI units; repeat the option for '
-                            'each quantity (default: 0)')
+                       help='constant error of each component in SI units (default: 0)')
 
 
 def run(options: argparse.Namespace) -> int:

@@ -12,7 +12,7 @@ from typing import NoReturn
 from bahrs_driver import __version__
 from bahrs_driver.cli.printing import warn
 from bahrs_driver.cli.signals import interrupt_on_signals
-from bahrs_driver.errors import CaptureError, CommandError, RosStartError, WriteError
+from bahrs_driver.errors import BahrsDriverError, CommandError
 from bahrs_driver.process.exit_timer import exit_after
 from bahrs_driver.process.printable import printable
 from bahrs_driver.process.shutdown_event import ignore_signals
@@ -79,7 +79,7 @@ def _status(verb: str, words: list[str], for_ros: list[str]) -> int:
     try:
         interrupt_on_signals()
         return _run(verb, words, for_ros)
-    except (CaptureError, CommandError, RosStartError, WriteError) as error:
+    except BahrsDriverError as error:
         warn(verb, printable(error, MAX_ERROR_LENGTH))
         return 1
     except KeyboardInterrupt:

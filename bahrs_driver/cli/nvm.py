@@ -20,7 +20,7 @@ from bahrs_driver.cli.signals import shutdown_on_signal
 from bahrs_driver.devices.nvm_reader import NvmReader, OnProgress
 from bahrs_driver.devices.nvm_settings import NvmSettings
 from bahrs_driver.devices.registry import DEVICES
-from bahrs_driver.errors import CommandError, NvmError
+from bahrs_driver.errors import CommandError
 from bahrs_driver.process.argument_types import bounded_float
 from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.memory import MemoryFormat
@@ -48,8 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     read = actions.add_parser('read', help='print one page in hexadecimal')
     read.add_argument('page', type=int, help='page number; the first page is 0')
     dump = actions.add_parser('dump', help='write all pages to a file')
-    dump.add_argument('file', help='file to create; it appears when it is complete; - is standard '
-                                   'output')
+    dump.add_argument('file', help='file to create when complete; - is standard output')
     add_force(dump)
     for action in (read, dump):
         _add_port_options(action)
@@ -73,13 +72,13 @@ def _add_port_options(parser: argparse.ArgumentParser) -> None:
                         help='speed of the serial line (default: %(default)s)')
     parser.add_argument('--enter-timeout', default=enter_timeout.default, metavar='SECONDS',
                         type=bounded_float('a time-out', high=enter_timeout.high or math.inf),
-                        help='time limit for the device to enter diagnostics mode; many devices '
-                             'enter it only at power-on (default: %(default)g)')
+                        help='time limit for the device to enter diagnostics mode, which many do '
+                             'only at power-on (default: %(default)g)')
     parser.add_argument('--service-frames', default=service_frames.default,
                         choices=service_frames.choices,
                         help='checksum and padding of requests (default: %(default)s, tries all)')
     parser.add_argument('--yes', action='store_true',
-                        help='do not ask for confirmation before the stream is interrupted')
+                        help='interrupt the stream of the device without confirmation')
 
 
 def run(options: argparse.Namespace) -> int:
@@ -151,10 +150,7 @@ def _read_until_signal(reader: NvmReader, numbers: Sequence[int], settings: NvmS
         if not pages.done():
             reader.end('interrupted')
             raise KeyboardInterrupt
-        try:
-            return pages.result()
-        except NvmError as error:
-            raise CommandError(str(error)) from error
+        return pages.result()
 
 
 def _confirm() -> None:

@@ -16,7 +16,7 @@ import sys
 from typing import TextIO
 
 from bahrs_driver.emulator.runner import ByteSink
-from bahrs_driver.errors import CommandError, TargetExists, WriteError
+from bahrs_driver.errors import CommandError, TargetExists
 from bahrs_driver.files.atomic_file import atomic_file
 from bahrs_driver.files.guard import guard
 from bahrs_driver.files.live_file import LiveFile
@@ -41,19 +41,17 @@ def same_output(one: str, other: str | None) -> bool:
         return False
     if is_standard_output(one) or is_standard_output(other):
         return is_standard_output(one) and is_standard_output(other)
-    with command_errors(), guard(one):
+    with guard(one):
         return os.path.realpath(one) == os.path.realpath(other)
 
 
 @contextlib.contextmanager
-def command_errors() -> Iterator[None]:
-    """Convert a WriteError to a CommandError with the remedy."""
+def _suggest_force() -> Iterator[None]:
+    """Add the option --force to the error for an existing file."""
     try:
         yield
     except TargetExists as error:
         raise CommandError(f'{error}, or replace it with --force') from error
-    except WriteError as error:
-        raise CommandError(str(error)) from error
 
 
 @contextlib.contextmanager
@@ -61,9 +59,9 @@ def output_file(name: str, force: bool) -> Iterator[ByteSink]:
     """
     Yield an output for bytes; the file appears when the block ends, unless it raises.
 
-    CommandError explains why the file cannot be written, before the block if possible.
+    WriteError or CommandError, before the block if possible, if the file cannot be written.
     """
-    with command_errors():
+    with _suggest_force():
         if is_standard_output(name):
             yield sys.stdout.buffer
         elif name == os.devnull:
@@ -77,8 +75,8 @@ def output_file(name: str, force: bool) -> Iterator[ByteSink]:
 
 @contextlib.contextmanager
 def live_output(name: str, force: bool) -> Iterator[TextIO | LiveFile]:
-    """Yield an output for text that other programs read meanwhile; CommandError if it fails."""
-    with command_errors():
+    """Yield an output for text that other programs read during the block."""
+    with _suggest_force():
         if is_standard_output(name):
             yield sys.stdout
         elif name == os.devnull:

@@ -16,7 +16,7 @@ from bahrs_driver.cli.outputs import add_force, is_standard_output, output_file
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.devices.spec import AnyDevice
-from bahrs_driver.errors import CaptureError, CommandError
+from bahrs_driver.errors import CommandError
 from bahrs_driver.process.printable import printable
 from bahrs_driver.report.clock import analyze_clock
 from bahrs_driver.report.findings import findings
@@ -47,8 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for spec in _reported():
         spec.stream_decoder.add_arguments(parser)
     parser.add_argument('--json', action='store_true',
-                        help='print counts and findings as one JSON object instead of writing a '
-                             'page')
+                        help='print counts and findings as one JSON object; write no page')
 
 
 def run(options: argparse.Namespace) -> int:
@@ -67,16 +66,13 @@ def run(options: argparse.Namespace) -> int:
 
 def _recording(options: argparse.Namespace) -> Recording:
     """Read the recording; CommandError if it has no frame."""
-    try:
-        capture = open_capture(options.input, options.topic)
-        specs = {spec.name: spec for spec in _reported()}
-        spec = specs.get(capture.sensor or next(iter(specs)))
-        if spec is None:
-            raise CommandError(f'{printable(options.input)} is of a {printable(capture.sensor)}: '
-                               f'there are only reports of a {" or ".join(specs)}')
-        recording = _gather(options, capture, spec)
-    except CaptureError as error:
-        raise CommandError(str(error)) from error
+    capture = open_capture(options.input, options.topic)
+    specs = {spec.name: spec for spec in _reported()}
+    spec = specs.get(capture.sensor or next(iter(specs)))
+    if spec is None:
+        raise CommandError(f'{printable(options.input)} is of a {printable(capture.sensor)}: '
+                           f'there are only reports of a {" or ".join(specs)}')
+    recording = _gather(options, capture, spec)
     if not recording.counters.frames:
         raise CommandError(f'no frame of a {spec.label} in the {recording.size:,} bytes of '
                            f'{printable(options.input)}')
@@ -103,7 +99,7 @@ def _target(options: argparse.Namespace) -> Path:
 
 
 def _reported() -> Iterator[AnyDevice]:
-    """Yield the devices that there are reports of."""
+    """Yield the devices whose recordings have reports."""
     return (spec for spec in DEVICES.values() if spec.recording_format(spec.settings()))
 
 

@@ -41,17 +41,14 @@ def _add_device(parser: argparse.ArgumentParser) -> None:
     group.add_argument('--protocol-version', type=int, choices=VERSIONS, default=3,
                        help='protocol version of the device (default: %(default)s)')
     group.add_argument('--crc', choices=('word', 'byte'), default='word',
-                       help='order in which the CRC takes the bytes: 32-bit words, as real '
-                            'devices do it, or single bytes, as the protocol document says '
-                            '(default: %(default)s)')
+                       help='CRC over 32-bit words (real devices) or single bytes (protocol '
+                            'document) (default: %(default)s)')
     group.add_argument('--time-label', choices=('next', 'same'), default='next',
-                       help='sample that a time message names: the one after the sample whose '
-                            'time it holds, as real devices send it, or that sample itself '
-                            '(default: %(default)s)')
+                       help='a time message names the sample after the one whose time it holds '
+                            '(real devices) or that sample (default: %(default)s)')
     group.add_argument('--start-up', choices=tuple(START_UPS), default='prompt',
-                       help='prompt: first sample 0.6 s after power-on; recorded: first sample '
-                            'after 2.6 s, then 2.7 s of silence, as a real device did it '
-                            '(default: %(default)s)')
+                       help='first sample 0.6 s after power-on, or as recorded: 2.6 s, then '
+                            '2.7 s of silence (default: %(default)s)')
     group.add_argument('--drift-ppm', type=bounded_float('a drift', -1e5, 1e5), default=0.0,
                        metavar='PPM',
                        help='drift of the device clock, positive if it is fast (default: 0)')
@@ -67,8 +64,7 @@ def _add_device(parser: argparse.ArgumentParser) -> None:
                             '(default: 0, none)')
     group.add_argument('--debug-rate', type=bounded_float('a rate', 0, 200), default=0.0,
                        metavar='HZ',
-                       help='rate of the undocumented messages 0xC0 and 0xC1 (default: 0, '
-                            'none)')
+                       help='rate of the undocumented messages 0xC0 and 0xC1 (default: 0)')
     group.add_argument('--output-delay', type=bounded_float('a delay', 0, 1000), default=0.0,
                        metavar='MS', help='delay from a sample to its first byte (default: 0)')
 
@@ -87,13 +83,11 @@ def _add_service(parser: argparse.ArgumentParser) -> None:
                        help='time without a request after which the device leaves the mode '
                             '(default: %(default)g)')
     group.add_argument('--service-crc', choices=('crc32', 'mpeg2'), default='crc32',
-                       help="CRC of service frames: CRC-32, as the manufacturer's tool uses it, "
-                            'or CRC-32/MPEG-2, as the protocol document says (default: '
-                            '%(default)s)')
+                       help="CRC of service frames: CRC-32 (manufacturer's tool) or CRC-32/MPEG-2 "
+                            '(protocol document) (default: %(default)s)')
     group.add_argument('--service-padding', choices=('no', 'yes'), default='no',
-                       help="whether 0xF0 and 0xF1 must be padded: no, as the manufacturer's "
-                            'tool sends them, or yes, as the protocol document says (default: '
-                            '%(default)s)')
+                       help="whether 0xF0 and 0xF1 must be padded: no (manufacturer's tool) or "
+                            'yes (protocol document) (default: %(default)s)')
 
 
 def _service(options: argparse.Namespace) -> ServiceBehavior:

@@ -40,13 +40,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                        help='message id of an answer: the same as in its request, or zero '
                             '(default: %(default)s)')
     group.add_argument('--answer-delay', type=bounded_float('a delay', 0, 10_000), default=0.5,
-                       metavar='MS', help='delay from a request to its answer (default: '
-                                          '%(default)s)')
+                       metavar='MS', help='delay from request to answer (default: %(default)s)')
     group.add_argument('--late-answers', type=bounded_float('a share', 0, 1), default=0.0,
                        metavar='SHARE', help='fraction of answers that take 0.1 s (default: 0)')
     group.add_argument('--first-fix', type=bounded_float('a time', 0, 1e6), default=0.0,
-                       metavar='SECONDS', help='time from power-on to the first GPS fix (default: '
-                                               '0)')
+                       metavar='SECONDS', help='time from power-on to first GPS fix (default: 0)')
     group.add_argument('--gps-start', type=argument_type(_gps_time), default=0, metavar='MS',
                        help='GPS time of week at the start (default: 0)')
 
