@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the diagnostics of a flight: nothing is well while no data comes."""
 
+import functools
 import random
 
 from hypothesis import given, settings, strategies as st
@@ -11,7 +12,12 @@ from support.conversions import converted, flight, ORIGIN, Pieces, S
 SECONDS = 12.0
 QUIET = 1.2             # s without data, after which no task may be content
 OK = b'\0'
-FLIGHT, _ = flight(SECONDS)
+
+
+@functools.cache
+def whole_flight():
+    """Return the chunks of a flight."""
+    return flight(SECONDS)[0]
 
 
 def reports(chunks):
@@ -34,10 +40,11 @@ def noise(chunk):
 def test_no_task_is_content_while_no_data_comes(begin, seconds, junk, reopened):
     """Whether bytes come that are no frames, or none; whether the port was opened again."""
     first, last = ORIGIN + round(begin * S), ORIGIN + round((begin + seconds) * S)
-    quiet = [chunk for chunk in FLIGHT if first < chunk.ros_ns < last]
+    chunks = whole_flight()
+    quiet = [chunk for chunk in chunks if first < chunk.ros_ns < last]
     found = reports([
-        *(chunk for chunk in FLIGHT if chunk.ros_ns <= first), *map(noise, quiet if junk else []),
-        *(chunk._replace(connection_id=1 + reopened) for chunk in FLIGHT if chunk.ros_ns >= last)])
+        *(chunk for chunk in chunks if chunk.ros_ns <= first), *map(noise, quiet if junk else []),
+        *(chunk._replace(connection_id=1 + reopened) for chunk in chunks if chunk.ros_ns >= last)])
     while_quiet = [(count, content) for time, count, content in found
                    if first + QUIET * S < time < last]
     assert len(while_quiet) >= int(seconds - QUIET)
@@ -49,5 +56,5 @@ def test_no_task_is_content_while_no_data_comes(begin, seconds, junk, reopened):
 
 def test_all_is_well_in_a_good_flight():
     """Once the rates are known, each task is content."""
-    assert {len(content) for time, _, content in reports(FLIGHT)
+    assert {len(content) for time, _, content in reports(whole_flight())
             if 4 * S < time - ORIGIN < (SECONDS - 0.5) * S} == {6}

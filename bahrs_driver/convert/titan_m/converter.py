@@ -24,7 +24,7 @@ from bahrs_driver.convert.completeness import without_incomplete
 from bahrs_driver.convert.covariance import Matrix
 from bahrs_driver.convert.titan_m.gps_status import GpsStatus
 from bahrs_driver.convert.titan_m.gps_time import GpsTime
-from bahrs_driver.convert.utm import to_wgs84
+from bahrs_driver.convert.utm import load_pyproj, to_wgs84
 from bahrs_driver.protocol.layout import Vector
 from bahrs_driver.protocol.titan_m.messages import (
     ADC_FORCE, ADC_RATE_DEG, Gps, Sensors, State, TitanAnswer,
@@ -106,6 +106,7 @@ class TitanConverter:
     """Converts answers to (topic, ROS message) pairs."""
 
     def __init__(self, options: TitanOptions) -> None:
+        load_pyproj()
         self._options = options
         self._gps_time = GpsTime(options.gps_week, options.leap_seconds)
         self._handlers: dict[type, Callable[..., Outgoing]] = {

@@ -7,7 +7,7 @@ import math
 from typing import NamedTuple
 
 from bahrs_driver.convert import atmosphere
-from bahrs_driver.convert.utm import from_wgs84
+from bahrs_driver.convert.utm import from_wgs84, load_pyproj
 from bahrs_driver.emulator.ground_path import GroundPath
 from bahrs_driver.emulator.measurement_errors import clamp_vector, MeasurementErrors
 from bahrs_driver.emulator.motion import Truth
@@ -41,6 +41,7 @@ class TitanMeasurements:
     """Makes measurements along a path. Positions are relative to the first GPS fix."""
 
     def __init__(self, path: GroundPath, errors: MeasurementErrors, gps_start_ms: int = 0) -> None:
+        load_pyproj()
         self._path = path
         self._errors = errors
         self._gps_start_ms = gps_start_ms
