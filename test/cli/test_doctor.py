@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of `bahrs doctor`, as a process."""
 
+import contextlib
 import json
+import os
 import subprocess
 
 from bahrs_driver.virtual_serial.pty_port import PtyPort
@@ -11,12 +13,59 @@ from support.devices import Device
 from support.processes import command, running, wait_for
 
 
-def doctor(*words):
+ODD = 'usb-\x1bc; reboot\n'
+WAYS = [('/dev/nowhere',), ('--port', '/dev/nowhere'),
+        ('/dev/nowhere', '--port', '/dev/nowhere')]
+
+
+class Doctor:
+    """A run of the command, which waits some seconds until it reports that no driver runs."""
+
+    def __init__(self, *words, cwd=None, **variables):
+        """Start it, in a folder and with variables of the environment."""
+        self._child = subprocess.Popen(
+            command('bahrs', 'doctor', *words), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            text=True, cwd=cwd, env={**os.environ, **variables})
+
+    def end(self):
+        """Return exit status and output."""
+        text, complaints = self._child.communicate(timeout=120)
+        assert complaints == ''
+        return self._child.returncode, text
+
+    def close(self):
+        """Kill it if it still runs."""
+        if self._child.poll() is None:
+            self._child.kill()
+        self._child.communicate()
+
+
+def doctor(*words, **options):
     """Return exit status and output."""
-    done = subprocess.run(command('bahrs', 'doctor', *words), capture_output=True, text=True,
-                          timeout=120, check=False)
-    assert done.stderr == ''
-    return done.returncode, done.stdout
+    with contextlib.closing(Doctor(*words, **options)) as run:
+        return run.end()
+
+
+@pytest.fixture(scope='module')
+def runs(tmp_path_factory):
+    """Start the runs without a device together: each waits for drivers."""
+    here, empty, odd = (tmp_path_factory.mktemp(name) for name in ('here', 'empty', 'odd'))
+    (here / 'port').touch()
+    by_id = odd / 'dev/serial/by-id'
+    by_id.mkdir(parents=True)
+    (odd / 'dev/ttyUSB0').touch()
+    (by_id / ODD).symlink_to('../../ttyUSB0')
+    with contextlib.ExitStack() as stack:
+        def start(*words, **options):
+            return stack.enter_context(contextlib.closing(Doctor(*words, **options)))
+
+        yield {
+            'directory': here,
+            'no device': start('--root', str(empty)),
+            'relative': start('--port', 'port', '--no-listen', cwd=here),
+            'odd names': start('--root', str(odd), '--no-listen', '/dev/ttyUSB0',
+                               ROS_DISTRO='\x1b[2J'),
+            **{words: start(*words, '--no-listen') for words in WAYS}}
 
 
 def test_a_streaming_device():
@@ -29,9 +78,9 @@ def test_a_streaming_device():
     assert all(set(item) == {'check', 'level', 'message', 'command'} for item in found.values())
 
 
-def test_no_device(tmp_path):
+def test_no_device(runs):
     """The exit status is 1, and each problem is followed by its command."""
-    status, text = doctor('--root', str(tmp_path))
+    status, text = runs['no device'].end()
     assert status == 1
     wrong, remedy, *_ = text.splitlines()
     assert wrong.startswith('problem port: /dev/ttyUSB0 does not exist, and no adapter is '
@@ -40,12 +89,10 @@ def test_no_device(tmp_path):
     assert '\x1b' not in text
 
 
-def test_a_relative_path_of_a_port(tmp_path, monkeypatch):
+def test_a_relative_path_of_a_port(runs):
     """It is relative to the current directory."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / 'port').touch()
-    _, text = doctor('--port', 'port', '--no-listen')
-    assert f'{tmp_path}/port exists' in text
+    _, text = runs['relative'].end()
+    assert f"{runs['directory']}/port exists" in text
 
 
 def test_an_invalid_domain(monkeypatch):
@@ -67,11 +114,10 @@ def test_a_device_that_only_answers(tmp_path):
     assert status == 0, text
 
 
-@pytest.mark.parametrize('words', [['/dev/nowhere'], ['--port', '/dev/nowhere'],
-                                   ['/dev/nowhere', '--port', '/dev/nowhere']])
-def test_port_with_and_without_option(words):
+@pytest.mark.parametrize('words', WAYS)
+def test_port_with_and_without_option(runs, words):
     """Other verbs take --port, too."""
-    status, text = doctor(*words, '--no-listen')
+    status, text = runs[words].end()
     assert status == 1 and text.startswith('problem port: /dev/nowhere does not exist')
 
 
@@ -83,15 +129,9 @@ def test_two_ports():
     assert done.stderr == "bahrs doctor: '/dev/a' and --port '/dev/b' are two ports: name one\n"
 
 
-def test_names_with_control_characters(tmp_path, monkeypatch):
+def test_names_with_control_characters(runs):
     """They are escaped, and quoted in commands."""
-    odd = 'usb-\x1bc; reboot\n'
-    by_id = tmp_path / 'dev/serial/by-id'
-    by_id.mkdir(parents=True)
-    (tmp_path / 'dev/ttyUSB0').touch()
-    (by_id / odd).symlink_to('../../ttyUSB0')
-    monkeypatch.setenv('ROS_DISTRO', '\x1b[2J')
-    _, text = doctor('--root', str(tmp_path), '--no-listen', '/dev/ttyUSB0')
+    _, text = runs['odd names'].end()
     assert '\x1b' not in text and r'usb-\x1bc; reboot\x0a' in text
     assert all(line.startswith(('ok', 'advice', 'problem', ' ' * 8)) for line in text.splitlines())
     (command_line,) = (line for line in text.splitlines() if 'reboot' in line and '->' in line)
