@@ -31,8 +31,10 @@ class Player:
 
     def play(self, pieces: Iterable[Piece]) -> bool:
         """Play to the end; False if the reader closes the port and no reader opens it again."""
-        start = time.monotonic()
+        start = None
         for due, data in pieces:
+            if start is None:           # reading and decoding the first piece is not a delay
+                start = time.monotonic() - due / self._rate
             ahead = start + due / self._rate - time.monotonic()
             if ahead > 0:
                 time.sleep(ahead)
