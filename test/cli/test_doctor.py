@@ -12,7 +12,6 @@ import pytest
 from support.devices import Device
 from support.processes import command, running, wait_for
 
-
 ODD = 'usb-\x1bc; reboot\n'
 WAYS = [('/dev/nowhere',), ('--port', '/dev/nowhere'),
         ('/dev/nowhere', '--port', '/dev/nowhere')]
