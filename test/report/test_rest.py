@@ -2,11 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Test in which interval a device was at rest."""
 
-from bahrs_driver.report.rest import longest_rest
+from types import SimpleNamespace
+
+from bahrs_driver.emulator.motion import SmoothValue, true_values
+from bahrs_driver.report.rest import find_rest, longest_rest
 import numpy as np
 import pytest
+from support.emulated import make_device, make_emulation
+from support.recorded import recorded
 
 SECONDS = 0.005 * np.arange(20_000)         # 100 s
+LEVEL, STILL = SmoothValue(0.0), SmoothValue(1.0)
 
 
 def at_rest():
@@ -63,3 +69,13 @@ def test_unavailable_values_are_no_rest():
     force, rate = at_rest()
     rest = longest_rest(SECONDS, np.full_like(force, np.nan), rate)
     assert rest.begin == rest.end
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(('climb', 'seconds'), [(12.0, 0.0), (-12.0, 0.0), (0.0, 4.4)])
+def test_steady_climb_is_no_rest(climb, seconds):
+    """Nor is a descent, although force and rate are as steady as on the ground."""
+    motion = SimpleNamespace(at=lambda time: true_values(
+        SmoothValue(60.0), SmoothValue(climb), LEVEL, STILL, 3000.0 + climb * time))
+    rest = find_rest(recorded(make_emulation(make_device(motion)), 5.0, timed=False))
+    assert rest.seconds == pytest.approx(seconds, abs=0.2)
