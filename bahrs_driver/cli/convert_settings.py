@@ -14,7 +14,7 @@ from bahrs_driver.settings.group import parameters
 from bahrs_driver.settings.table import ParameterTable, SENSOR, unknown_parameter
 import yaml
 
-# Names, and beginnings of names, of parameters that only a driver with a port uses.
+# Prefixes of the parameters that only a driver with a port uses.
 LIVE_ONLY = ('port', 'publish.raw', 'nvm.', 'startup.', 'diagnostics.qualified_name')
 
 
@@ -22,7 +22,7 @@ def read_settings(rules: Sequence[str], sensor: str) -> tuple[CommonSettings, li
     """
     Return the settings for a recording, and sentences about rules without effect.
 
-    CommandError and ParameterError explain what is wrong with a rule.
+    CommandError or ParameterError if a rule is invalid.
     """
     table = parameter_table()
     given: dict[str, object] = {}
@@ -37,8 +37,8 @@ def read_settings(rules: Sequence[str], sensor: str) -> tuple[CommonSettings, li
     settings = table.settings(values)[1].for_recording()
     for row in parameters(settings):
         if row.name in given and values[row.name] != row.default:
-            raise CommandError(f'-p {rule_of[row.name]}: it can only be 0, because a recording '
-                               'is not asked')
+            raise CommandError(f'-p {rule_of[row.name]}: it must be 0, because a conversion sends '
+                               'no requests')
     notes = [note for name in given if (note := table.by_name[name].correction(given[name]))]
     unused = [*table.unused(given, sensor, settings),
               *(f'{name} (it is for a port)' for name in given if name.startswith(LIVE_ONLY))]
@@ -48,7 +48,7 @@ def read_settings(rules: Sequence[str], sensor: str) -> tuple[CommonSettings, li
 
 
 def unused_options(options: argparse.Namespace, timed: bool) -> list[str]:
-    """Return a sentence about the options without effect; timed recordings have times."""
+    """Return at most one sentence, about the options without effect."""
     unused = []
     if options.start is not None and timed:
         unused.append('--start (the recording has times)')
@@ -60,19 +60,19 @@ def unused_options(options: argparse.Namespace, timed: bool) -> list[str]:
 
 
 def _parse(rule: str, table: ParameterTable[CommonSettings]) -> tuple[str, object]:
-    """Return the name and the value of a rule; CommandError if it is none."""
+    """Return the name and the value of a rule; CommandError if it is invalid."""
     name, _, text = rule.partition(':=')
     if not name or not text:
-        raise CommandError(f'-p {printable(rule)}: it must be NAME:=VALUE, of a parameter of the '
-                           'driver')
+        raise CommandError(f'-p {printable(rule)}: it must be NAME:=VALUE, with the name of a '
+                           'parameter')
     if name not in table.by_name:
         raise CommandError(f'-p {printable(rule)}: {unknown_parameter(name, table.by_name)}')
     try:
         value: object = yaml.safe_load(text)
     except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise CommandError(f'-p {printable(rule)}: {printable(repr(text))} is no value of YAML: '
+        raise CommandError(f'-p {printable(rule)}: {printable(repr(text))} is not valid YAML: '
                            'put quotes around a text that has brackets or colons') from error
-    # As rcl reads it: 1e-5 is a number, and only [] is no value.
+    # As rcl does: 1e-5 is a number, and null is a text.
     if isinstance(value, str) and isinstance(table.by_name[name].default, float):
         with contextlib.suppress(ValueError):
             value = float(text)

@@ -21,16 +21,16 @@ _LOCAL_MODES = 3        # index of these flags in what tcgetattr() returns
 def binary_input(name: str) -> Iterator[BinaryIO]:
     """Open a file for reading; "-" is standard input. CommandError if that fails."""
     if name == STANDARD_INPUT:
-        _refuse_lines(sys.stdin.buffer, 'standard input', 'name a file, or pipe one in')
+        _refuse_line_mode(sys.stdin.buffer, 'standard input', 'name a file, or pipe one in')
         yield sys.stdin.buffer
         return
     with open_input(name, 'rb') as file:
-        _refuse_lines(file, printable(name),
-                      f'run "stty -F {shlex.quote(printable(name))} 115200 raw -echo" first')
+        _refuse_line_mode(file, printable(name),
+                          f'run "stty -F {shlex.quote(printable(name))} 115200 raw -echo" first')
         yield file
 
 
-def _refuse_lines(file: BinaryIO, name: str, remedy: str) -> None:
+def _refuse_line_mode(file: BinaryIO, name: str, remedy: str) -> None:
     """Raise CommandError for a terminal in line mode, which does not deliver all bytes."""
     with contextlib.suppress(termios.error, OSError):       # no terminal
         if termios.tcgetattr(file.fileno())[_LOCAL_MODES] & termios.ICANON:

@@ -30,16 +30,16 @@ def selected_node(options: argparse.Namespace) -> Selection:
         if options.node:
             _check_node_name(options.node)
         return Selection(options.node, namespace)
-    name, within = split_name(options.node)
+    name, node_namespace = split_name(options.node)
     if options.node.startswith('/'):
-        within = checked_namespace(within) or ROOT
-        if options.namespace is not None and within != namespace:
+        node_namespace = checked_namespace(node_namespace) or ROOT
+        if options.namespace is not None and node_namespace != namespace:
             raise CommandError(f'--node {options.node} is not in --namespace {namespace}: leave '
                                'one of them out')
     else:
-        within = checked_namespace(f"{namespace.rstrip('/')}/{within}")
+        node_namespace = checked_namespace(f"{namespace.rstrip('/')}/{node_namespace}")
     _check_node_name(name)
-    return Selection(name, within)
+    return Selection(name, node_namespace)
 
 
 def selected_namespace(options: argparse.Namespace) -> str:

@@ -111,7 +111,7 @@ def _record(options: argparse.Namespace, recorder: Recorder, bag: BagWriter,
     files = _FileRotation(bag, options.max_size * MEGABYTE, options.max_duration, begin)
     display = _Display(options, recorder, bag, begin)
     try:
-        with display:
+        with display.line:
             while not shutdown.wait(min(WRITE_PERIOD, max(0.0, end - time.monotonic()))):
                 now = time.monotonic()
                 if recorder.choice.several:
@@ -156,21 +156,13 @@ class _Display:
         self._console = Console(stderr=True)
         self._shown_reason = ''
         self._title = f'recording into {escape(printable(bag.folder))}'
-        self._status = self._console.status(self._title)
-
-    def __enter__(self) -> None:
-        """Show the display."""
-        self._status.start()
-
-    def __exit__(self, *_: object) -> None:
-        """Remove the display."""
-        self._status.stop()
+        self.line = self._console.status(self._title)       # shown while it is entered
 
     def update(self, now: float) -> None:
         """Show the counts; print a new reason for an empty bag."""
         bag = self._bag
-        self._status.update(f'{self._title}: {bag.count:,} messages of {len(bag.counts())} '
-                            f'topics, {now - self._begin:.0f} s')
+        self.line.update(f'{self._title}: {bag.count:,} messages of {len(bag.counts())} topics, '
+                         f'{now - self._begin:.0f} s')
         if not bag.count and now - self._begin > EMPTY_TIMEOUT:
             reason = _why_empty(self._options, self._recorder)
             if reason != self._shown_reason:

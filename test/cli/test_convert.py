@@ -191,7 +191,7 @@ def test_namespace(byte_file, tmp_path):
     (['FILE', 'OUT', '-p', 'port'], 1, '-p port: it must be NAME:=VALUE'),
     (['FILE', 'OUT', '-p', 'sensor:=titan_m'], 1, 'write --sensor titan_m instead'),
     (['FILE', 'OUT', '-p', 'frame_convention:=nwu'], 1, "must be 'enu' or 'ned'"),
-    (['FILE', 'OUT', '-p', 'port:=[a'], 1, "'[a' is no value of YAML"),
+    (['FILE', 'OUT', '-p', 'port:=[a'], 1, "'[a' is not valid YAML"),
     (['FILE', 'OUT', '--namespace', 'a b'], 1, "'a b' is not a namespace"),
     (['FILE', 'OUT', '--start', 'noon'], 2, "'noon' is not a time"),
     (['FILE', 'OUT', '--start', '-5'], 2, 'before 1970'),
@@ -229,7 +229,7 @@ def test_request_rates_are_refused_for_a_recording(tmp_path):
         label = ReadMetadata('titan_m', 1, 0, 1, 1).to_label()
         bag.write('/raw', 1, serialized(raw.message(b'x', label)))
     status, text = convert(tmp_path / 'bag', tmp_path / 'out', '-p', 'gps.rate:=10')
-    assert status == 1 and '-p gps.rate:=10: it can only be 0' in text
+    assert status == 1 and '-p gps.rate:=10: it must be 0' in text
 
 
 def test_a_missing_topic(tmp_path):

@@ -39,7 +39,7 @@ def test_valid_values():
     ('frame_id:=[]', 'parameter frame_id is []: it must be'),
     ('baudrate:=5', '-p baudrate:=5: baudrate (there is no such parameter, did you mean baud_'),
     ('stddev.velocity:=.inf', 'parameter stddev.velocity is inf: it must be a decimal number'),
-    ('port:=\x1b[2J', r"-p port:=\x1b[2J: '\x1b[2J' is no value of YAML"),
+    ('port:=\x1b[2J', r"-p port:=\x1b[2J: '\x1b[2J' is not valid YAML"),
     (':=5', '-p :=5: it must be NAME:=VALUE'),
 ])
 def test_errors(rule, sentence):
