@@ -15,7 +15,7 @@ class Host:
     """A host whose clock can be set."""
 
     def __init__(self):
-        """Start at some time."""
+        """Start with a clock that is right."""
         self.elapsed = self.offset = 0
 
     def read(self):
@@ -24,13 +24,13 @@ class Host:
 
     @property
     def ros(self):
-        """Return what the wall clock shows."""
+        """ROS time now."""
         return ROS + self.elapsed + self.offset
 
 
 @pytest.mark.parametrize('step', [-3600 * S, -10 * MS, 10 * MS, 3600 * S])
 def test_messages_around_a_step(step):
-    """Each has the log time of its arrival, on whichever side of the step it was taken."""
+    """Each has the log time of its arrival, even if it is taken after the step."""
     host = Host()
     clock = ArrivalLogClock(host.read)
     times = []
@@ -47,8 +47,8 @@ def test_messages_around_a_step(step):
     assert len(clock.sentences()) == 1
 
 
-def test_a_message_that_waited_long():
-    """It came before the last step but one."""
+def test_a_message_that_waited_during_two_steps():
+    """The log time is that of the arrival."""
     host = Host()
     clock = ArrivalLogClock(host.read)
     host.elapsed = S
@@ -60,8 +60,8 @@ def test_a_message_that_waited_long():
     assert clock.log_time(clock.now(), arrived) == ROS + S
 
 
-def test_times_that_cannot_be():
-    """A clock of another host that is wrong does not count, and the next time given does."""
+def test_implausible_times():
+    """They are ignored, such as those of a wrong clock, and the next given time is used."""
     host = Host()
     clock = ArrivalLogClock(host.read)
     host.elapsed = 100 * S
@@ -73,8 +73,8 @@ def test_times_that_cannot_be():
 
 @given(st.lists(st.tuples(st.integers(0, 10 * S), st.integers(-10 * S, 10 * S),
                           st.integers(0, 100 * S)), min_size=1, max_size=3 * MAX_OFFSETS))
-def test_never_later_than_now(moves):
-    """And never long ago, however the clock is set."""
+def test_log_time_is_shortly_before_now(moves):
+    """This holds for any steps of the clock."""
     host = Host()
     clock, last = ArrivalLogClock(host.read), 0
     for elapsed, step, age in moves:

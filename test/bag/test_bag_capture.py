@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of bags that are compressed, damaged in parts, or claim what is not there."""
+"""Tests of reading bags that are compressed, damaged in parts, or have wrong lengths."""
 
 import os
 import shutil
@@ -30,7 +30,7 @@ MOST_MEMORY = 2 << 30       # bytes of address space; a process that reads a bag
 
 
 def test_every_form_of_a_bag(tmp_path):
-    """Both storages, compressed by message, by file, and by chunk; a file or its directory."""
+    """Both storages are read, with all compressions, from a file or a directory."""
     files = every_form(tmp_path)
     assert len(files) == 10
     for file in files:
@@ -40,28 +40,28 @@ def test_every_form_of_a_bag(tmp_path):
         assert file.parent == tmp_path or list(open_capture(file.parent).chunks()) == CHUNKS
 
 
-def test_a_bag_by_another_name(tmp_path):
-    """What a file is shows in its first bytes."""
+def test_a_bag_with_another_suffix(tmp_path):
+    """Its first bytes show its kind."""
     for file in every_form(tmp_path):
         assert list(open_capture(file.rename(tmp_path / 'flight.bin')).chunks()) == CHUNKS
 
 
-def test_a_file_that_was_being_compressed(tmp_path):
-    """The one that is not compressed is whole."""
+def test_a_file_beside_its_unfinished_compressed_copy(tmp_path):
+    """The uncompressed file is read."""
     folder = write_bag(tmp_path / 'bag', StoragePlugin.MCAP)
     (folder / 'bag.mcap.zstd').write_bytes(zstandard.compress(b'half')[:-1])
     assert list(open_capture(folder).chunks()) == CHUNKS
 
 
-def test_sqlite_in_the_order_of_writing(tmp_path):
-    """And not in that of log times, which go back where the clock was set."""
+def test_sqlite_is_read_in_the_order_of_writing(tmp_path):
+    """Log times go back where the clock was set."""
     items = [(10 ** 18 - index, data) for index, (_, data) in enumerate(messages())]
     bag = write_bag(tmp_path / 'bag', StoragePlugin.SQLITE3, items=items)
     assert list(open_capture(bag).chunks()) == CHUNKS
 
 
 def test_sqlite_of_a_recorder_that_was_killed(tmp_path):
-    """What is still in its log is read, and nothing is left beside a bag that has none."""
+    """Messages in its write-ahead log are read; no log is created for a bag without one."""
     bag = write_bag(tmp_path / 'bag', StoragePlugin.SQLITE3, items=messages()[:4])
     assert len(list(open_capture(bag).chunks())) == 4
     assert {file.name for file in bag.iterdir()} == {'bag.db3', 'metadata.yaml'}
@@ -79,7 +79,7 @@ def test_sqlite_of_a_recorder_that_was_killed(tmp_path):
 @pytest.mark.parametrize('name, reason', [
     ('msg_empty', 'it is empty'), ('msg_short', 'it is cut')])
 def test_a_message_that_cannot_be_decoded(name, reason):
-    """Alone it is one sentence."""
+    """If it is the only message, the error has the reason."""
     with pytest.raises(CaptureError, match=f'no message on topic raw that can be .*{reason}'):
         open_capture(shared_file(f'cases/{name}.mcap'))
 
@@ -88,7 +88,7 @@ def test_a_message_that_cannot_be_decoded(name, reason):
 @pytest.mark.parametrize('bad', [b'', b'\0\1\0\0', b'\0\1', b'\xff' * 40, b'\x28\xb5\x2f\xfdxxxx',
                                  b'\0\1\0\0' + b'\xff' * 8])
 def test_bad_messages_among_good_ones(tmp_path, plugin, bad):
-    """The others are read, and a note has the number of the others."""
+    """The good messages are read, and a note has the number of bad ones."""
     items = messages()
     for place in (10, 5, 0):
         items.insert(place, (10 ** 18 + 1000 + place, bad))
@@ -97,8 +97,8 @@ def test_bad_messages_among_good_ones(tmp_path, plugin, bad):
     assert len(read.notes) == 1 and '3 messages left out as damaged (it ' in read.notes[0]
 
 
-def test_times_that_ros_does_not_have(tmp_path):
-    """They are left out, for no stamp can be made of them."""
+def test_times_outside_the_range_of_ros(tmp_path):
+    """Their messages are left out with a note."""
     path = tmp_path / 'bag'
     with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         connection = writer.add_connection('/raw', TYPE, typestore=STORE)
@@ -111,7 +111,7 @@ def test_times_that_ros_does_not_have(tmp_path):
 
 
 def test_a_damaged_chunk(tmp_path):
-    """Only its own messages are lost, even if it is the first, which has the definitions."""
+    """Only its messages are lost, even if it is the first chunk, which has the definitions."""
     file = tmp_path / 'bag.mcap'
     end = write_mcap(file, CompressionType.NONE)
     content = file.read_bytes()
@@ -125,7 +125,7 @@ def test_a_damaged_chunk(tmp_path):
 
 
 def bomb(tmp_path, name):
-    """Return a file that claims, or expands to, much more than it is."""
+    """Return a small file that claims, or expands to, gigabytes."""
     if name == 'record':
         return shared_file('cases/reclen3g.mcap')
     file = tmp_path / f'{name}.mcap'
@@ -148,7 +148,7 @@ def bomb(tmp_path, name):
 @pytest.mark.parametrize('name', [
     'record', 'file', 'message', 'claim', 'small_claim', 'limit_claim'])
 def test_claims_of_gigabytes(tmp_path, name):
-    """They are refused in one sentence, without being allocated."""
+    """They are rejected in one sentence, and no such memory is allocated."""
     file = bomb(tmp_path, name)
     done = subprocess.run(
         ['sh', '-c', f'ulimit -v {MOST_MEMORY >> 10}; exec "$0" "$@"',
@@ -158,8 +158,8 @@ def test_claims_of_gigabytes(tmp_path, name):
     assert done.stderr.startswith(f'bahrs report: {file}') and done.stderr.count('\n') == 1
 
 
-def test_sqlite_claims(tmp_path, monkeypatch):
-    """A message that is too large is not read, and the others are."""
+def test_sqlite_message_that_is_too_large(tmp_path, monkeypatch):
+    """It is left out with a note, and the others are read."""
     longest = max(len(data) for _, data in messages())
     items = [*messages(), (10 ** 18, bytes(longest + 1))]
     bag = write_bag(tmp_path / 'bag', StoragePlugin.SQLITE3, items=items)
@@ -169,7 +169,7 @@ def test_sqlite_claims(tmp_path, monkeypatch):
 
 
 def test_a_compressed_database_that_expands_too_far(tmp_path, monkeypatch):
-    """It is refused with the way to decompress it by hand, and no temporary file is left."""
+    """The error names the command that decompresses it, and no temporary file remains."""
     bag = write_bag(tmp_path / 'bag', StoragePlugin.SQLITE3, compression=CompressionMode.FILE)
     monkeypatch.setattr(bag_files, 'MIN_LIMIT', 1000)
     monkeypatch.setattr(bag_files, 'MAX_RATIO', 2)
@@ -180,7 +180,7 @@ def test_a_compressed_database_that_expands_too_far(tmp_path, monkeypatch):
 
 
 def test_a_database_whose_messages_are_computed(tmp_path):
-    """A view is no table of a bag: it may never end."""
+    """A view, which may never end, is not accepted as a table."""
     file = tmp_path / 'bag.db3'
     with sqlite3.connect(file) as connection:
         connection.execute('CREATE TABLE topics (id, name, type)')
@@ -192,7 +192,7 @@ def test_a_database_whose_messages_are_computed(tmp_path):
 
 
 def test_topics_are_printable(tmp_path):
-    """A name in a bag commands no terminal."""
+    """Control characters in their names are escaped."""
     bag = write_bag(tmp_path / 'bag', StoragePlugin.MCAP, ('/\x1bc/raw', '/two/raw'))
     with pytest.raises(CaptureError) as caught:
         open_capture(bag, '/none')
@@ -204,7 +204,7 @@ def test_topics_are_printable(tmp_path):
 @pytest.mark.parametrize('claim', [2 ** 63 - 1, 2 ** 64 - 1, 2 ** 62, 3 << 30])
 @pytest.mark.parametrize('kind', [Opcode.CHUNK, Opcode.MESSAGE, Opcode.ATTACHMENT, 0x90])
 def test_lengths_beyond_the_file(tmp_path, claim, kind):
-    """What came before is read, and the end is noted."""
+    """The messages before are read, and a note reports the early end."""
     file = tmp_path / 'bag.mcap'
     end = write_mcap(file)
     file.write_bytes(file.read_bytes()[:end] + struct.pack('<BQ', kind, claim))

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whatever a bag's files hold, reading one ends in chunks or in one sentence."""
+"""Property tests: reading a bag with any content returns chunks or raises CaptureError."""
 
 import functools
 from pathlib import Path
@@ -26,13 +26,13 @@ NUMBERS = [number.to_bytes(size, order) for number in (0, 1, 22, 0x7fffffff, 0xf
 
 @functools.cache
 def bags():
-    """Return name and content of the file of each form of bag."""
+    """Return the content of a file of each form of bag, by name."""
     with tempfile.TemporaryDirectory() as folder:
         return {file.name: file.read_bytes() for file in every_form(Path(folder))}
 
 
 def read(name, content):
-    """Read a bag's file, and check that all it gives can be used."""
+    """Read a file, and check its chunks, its notes or its error."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / name
         file.write_bytes(content)
@@ -50,7 +50,7 @@ def read(name, content):
 
 @st.composite
 def changes(draw):
-    """Give a few changes: where (as a share of the file), what is put there, over how much."""
+    """Return some changes: place (as a share of the file), bytes, and whether they overwrite."""
     piece = st.one_of(st.binary(max_size=12), st.sampled_from(NUMBERS))
     return [(draw(st.floats(0, 1)), draw(piece), draw(st.booleans()))
             for _ in range(draw(st.integers(1, 6)))]
@@ -65,7 +65,7 @@ def test_every_form_is_damaged():
 @settings(max_examples=EXAMPLES)
 @given(changes=changes(), kept=st.one_of(st.just(1.0), st.floats(0, 1)))
 def test_damaged_bags(name, changes, kept):
-    """Bytes that were changed, inserted, or cut off."""
+    """Bytes are changed, inserted, or cut off."""
     content = bytearray(bags()[name])
     for share, piece, over in changes:
         place = round(share * len(content))
@@ -78,7 +78,7 @@ def test_damaged_bags(name, changes, kept):
 @given(magic=st.sampled_from(MAGICS), content=st.binary(max_size=300))
 @example(magic=b'', content=b'')
 def test_bytes_of_any_kind(suffix, magic, content):
-    """Behind the first bytes of a bag."""
+    """They follow the first bytes of a bag."""
     read(f'bag{suffix}', magic + content)
 
 
@@ -87,7 +87,7 @@ def test_bytes_of_any_kind(suffix, magic, content):
     st.integers(0, 20), st.one_of(st.binary(max_size=60), st.sampled_from(NUMBERS)),
     st.one_of(st.none(), st.integers(0, 2 ** 64 - 1)))))
 def test_records_of_any_kind(records):
-    """Well framed, with any content, or with any length."""
+    """Records have any content, and some a wrong length."""
     content = MAGICS[0]
     for kind, body, claim in records:
         content += bytes([kind]) + (len(body) if claim is None else claim).to_bytes(8, 'little')

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of bags that we write: read by others, killed at any time, split, out of room."""
+"""Tests of writing bags: for other readers, killed at any time, split, on a full disk."""
 
 import contextlib
 import os
@@ -27,12 +27,12 @@ START = 1_700_000_000_000_000_000
 
 
 def number(value):
-    """Return a serialised number."""
+    """Return a serialized Float64."""
     return serialize_message(Float64(data=float(value)))
 
 
 def written(folder, count=100, topics=TOPICS):
-    """Write a bag, and return what should be in it."""
+    """Write a bag, and return its messages."""
     with BagWriter(folder) as bag:
         bag.add_topics(topics)
         for index in range(count):
@@ -41,14 +41,14 @@ def written(folder, count=100, topics=TOPICS):
 
 
 def with_rosbags(folder):
-    """Return what rosbags reads."""
+    """Return the messages that rosbags reads."""
     with Reader(folder) as reader:
         return [(connection.topic, time, bytes(data))
                 for connection, time, data in reader.messages()]
 
 
 def with_mcap(folder):
-    """Return what the library of MCAP's makers reads."""
+    """Return the messages that the mcap library reads."""
     found = []
     for file in sorted(folder.glob('*.mcap')):
         with file.open('rb') as stream:
@@ -62,8 +62,8 @@ def information(folder):
     return yaml.safe_load((folder / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
 
 
-def test_others_read_it(tmp_path):
-    """Messages, definitions, quality of service and metadata."""
+def test_other_libraries_read_it(tmp_path):
+    """They find messages, definitions, quality of service and metadata."""
     sent = written(tmp_path / 'bag')
     assert with_rosbags(tmp_path / 'bag') == with_mcap(tmp_path / 'bag') == sent
     with Reader(tmp_path / 'bag') as reader:
@@ -83,8 +83,8 @@ def test_others_read_it(tmp_path):
         'std_msgs/msg/Float64': 'ros2msg', 'std_msgs/msg/UInt8MultiArray': 'ros2msg'}
 
 
-def test_same_messages_same_bytes(tmp_path):
-    """Twice."""
+def test_same_messages_make_the_same_bytes(tmp_path):
+    """Two bags with the same messages are equal."""
     for parent in ('one', 'two'):
         written(tmp_path / parent / 'bag')
     for name in ('bag_0.mcap', 'metadata.yaml'):
@@ -93,7 +93,7 @@ def test_same_messages_same_bytes(tmp_path):
 
 
 def test_killed_at_any_time(tmp_path):
-    """What stands on the disk then is a bag with all up to the last flush."""
+    """The files are a bag with all messages up to the last flush."""
     bag, sent = BagWriter(tmp_path / 'bag'), []
     bag.add_topics(TOPICS)
     for index in range(50):
@@ -114,8 +114,8 @@ def test_killed_at_any_time(tmp_path):
     assert with_mcap(tmp_path / 'bag') == with_rosbags(tmp_path / 'bag') == sent
 
 
-def test_no_file_before_it_is_whole(tmp_path):
-    """Who looks for the files of a bag never finds one that has no end, or that vanishes."""
+def test_a_file_has_its_name_once_it_is_complete(tmp_path):
+    """A reader never finds a file of the bag without its trailer."""
     file = CrashSafeFile(tmp_path / 'bag_0.mcap', b'end')
     file.write(b'data')
     assert not list(tmp_path.glob('*.mcap'))
@@ -125,8 +125,8 @@ def test_no_file_before_it_is_whole(tmp_path):
     file.close()
 
 
-def test_a_file_that_another_has_made_meanwhile_is_not_replaced(tmp_path):
-    """Though it has the name of the next one."""
+def test_a_file_of_another_program_is_not_replaced(tmp_path):
+    """A split raises WriteError if a file with the next name exists."""
     bag = BagWriter(tmp_path / 'bag')
     (tmp_path / 'bag' / 'bag_1.mcap').write_text('precious')
     with pytest.raises(WriteError, match='bag_1.mcap exists already'):
@@ -136,7 +136,7 @@ def test_a_file_that_another_has_made_meanwhile_is_not_replaced(tmp_path):
 
 
 def test_split(tmp_path):
-    """Each file has all topics and is whole; metadata.yaml has them all."""
+    """Each file has all topics and can be read alone; metadata.yaml lists all files."""
     with BagWriter(tmp_path / 'bag') as bag:
         bag.add_topics(TOPICS)
         for index in range(30):
@@ -152,14 +152,14 @@ def test_split(tmp_path):
 
 
 def test_unknown_type(tmp_path):
-    """It is kept, without a definition."""
+    """Its topic is written without a definition."""
     written(tmp_path / 'bag', topics=[*TOPICS, Topic('/x', 'their_msgs/msg/Thing', ())])
     assert len(with_mcap(tmp_path / 'bag')) == 100
 
 
 @contextlib.contextmanager
 def small_disk():
-    """Let no file become larger than 4,000 bytes; also not what the tests themselves print."""
+    """Limit files to 4,000 bytes, including the output of the tests."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (4000, before[1]))
     try:
@@ -169,7 +169,7 @@ def small_disk():
 
 
 def test_no_room(tmp_path):
-    """A sentence reports it; all messages up to the last good flush can be read."""
+    """A WriteError is raised; all messages up to the last complete flush can be read."""
     bag, sent, good = BagWriter(tmp_path / 'bag'), [], 0
     bag.add_topics(TOPICS)
     with small_disk(), \
@@ -188,8 +188,8 @@ def test_no_room(tmp_path):
     assert with_mcap(tmp_path / 'bag') == with_rosbags(tmp_path / 'bag') == sent[:good]
 
 
-def test_a_bag_is_not_written_over(tmp_path):
-    """Nor is anything else."""
+def test_impossible_targets(tmp_path):
+    """An existing directory, and a path in /proc or /dev, raise WriteError."""
     with pytest.raises(WriteError, match='exists already'):
         BagWriter(tmp_path)
     for place in ('/proc/bag', '/dev/bahrs_unplugged'):

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of reading what was kept: byte files, MCAP and SQLite bags, whole and damaged."""
+"""Tests of reading captures: byte files, MCAP and SQLite bags, complete and damaged."""
 
 from bahrs_driver.bag import capture
 from bahrs_driver.bag.capture import Chunk
@@ -16,7 +16,7 @@ from support.bags import CHUNKS, METADATA, PIECES, STORE, TYPE, write_bag, write
 
 
 def test_byte_file(tmp_path, monkeypatch):
-    """In pieces, without times, again from the beginning."""
+    """It is read in pieces without times; a second reading begins at the beginning."""
     monkeypatch.setattr(capture, 'PIECE', 30)
     file = tmp_path / 'flight.bin'
     file.write_bytes(b''.join(PIECES))
@@ -32,7 +32,7 @@ def test_byte_file(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize('plugin', StoragePlugin)
 def test_bag(tmp_path, plugin):
-    """Bytes and times of each read, from the label."""
+    """The label of each message has the times of the read."""
     read = open_capture(write_bag(tmp_path / 'bag', plugin))
     assert (read.sensor, read.byte_ns, read.timed) == ('bahrs', 86805, True)
     assert list(read.chunks()) == list(read.chunks()) == CHUNKS
@@ -41,20 +41,20 @@ def test_bag(tmp_path, plugin):
 
 
 def test_one_file_of_a_bag(tmp_path):
-    """It is enough."""
+    """It is read without its directory."""
     path = write_bag(tmp_path / 'bag', StoragePlugin.MCAP)
     assert list(open_capture(path / 'bag.mcap').chunks()) == CHUNKS
 
 
 @pytest.mark.parametrize('compression', CompressionType)
 def test_compressed_chunks(tmp_path, compression):
-    """As MCAP has them."""
+    """All compressions of MCAP are read."""
     write_mcap(tmp_path / 'a.mcap', compression)
     assert list(open_capture(tmp_path / 'a.mcap').chunks()) == CHUNKS
 
 
 def test_a_recorder_was_killed(tmp_path):
-    """Whatever is there of the file, all complete chunks come, with a note."""
+    """All complete chunks of the file are read, and a note reports its early end."""
     file = tmp_path / 'bag_0.mcap'
     end = write_mcap(file)
     whole, counts = file.read_bytes(), []
@@ -76,7 +76,7 @@ def test_a_recorder_was_killed(tmp_path):
 
 
 def test_split_bag_without_metadata(tmp_path):
-    """Files are read by their numbers, ten after nine."""
+    """Files are read in the order of their numbers: 10 after 9."""
     for index in (10, 9, 2):
         write_mcap(tmp_path / f'bag_{index}.mcap')
     read = open_capture(tmp_path)
@@ -84,8 +84,8 @@ def test_split_bag_without_metadata(tmp_path):
     assert read.size == sum(file.stat().st_size for file in tmp_path.iterdir())
 
 
-def test_bytes_of_somebody_else(tmp_path):
-    """Without a label of ours the time is that of the log."""
+def test_raw_messages_of_another_program(tmp_path):
+    """Without a label, the time of the read is the log time."""
     with Writer(tmp_path / 'bag', version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         connection = writer.add_connection('/raw', TYPE, typestore=STORE)
         writer.write(connection, 77, serialize_message(UInt8MultiArray(data=b'abc')))
@@ -95,7 +95,7 @@ def test_bytes_of_somebody_else(tmp_path):
 
 
 def test_several_topics_of_raw_bytes(tmp_path):
-    """One is read, and a note names the others; the user may name one."""
+    """The first is read unless the user names one, and a note names the others."""
     path = write_bag(tmp_path / 'bag', StoragePlugin.MCAP, ('/one/raw', '/two/raw'))
     read = open_capture(path)
     assert list(read.chunks()) == CHUNKS
@@ -109,14 +109,14 @@ def test_several_topics_of_raw_bytes(tmp_path):
     (lambda path: path.with_suffix('.mcap').write_bytes(b'x'), 'No such file'),
 ])
 def test_what_cannot_be_read(tmp_path, make, sentence):
-    """One sentence has the reason."""
+    """A CaptureError has the reason."""
     make(tmp_path / 'bag')
     with pytest.raises(CaptureError, match=sentence):
         open_capture(tmp_path / 'bag')
 
 
 def test_files_that_are_no_bags(tmp_path):
-    """For any name."""
+    """A CaptureError names the file."""
     for suffix in ('.mcap', '.db3'):
         file = tmp_path / f'file{suffix}'
         for content in (b'', b'x', bytes(1000)):
@@ -126,14 +126,14 @@ def test_files_that_are_no_bags(tmp_path):
 
 
 def test_bag_without_raw(tmp_path):
-    """The sentence has the command that records it."""
+    """A CaptureError names the parameter that publishes it."""
     with pytest.raises(CaptureError, match='publish.raw'):
         open_capture(write_bag(tmp_path / 'bag', StoragePlugin.MCAP, ()))
 
 
 @pytest.mark.parametrize('metadata', METADATA[:3])
 def test_label(metadata):
-    """What was written is read."""
+    """Parsing a label returns its metadata; other words in it are ignored."""
     assert parse_label(metadata.to_label()) == metadata
     assert parse_label(metadata.to_label() + ' new=1') == metadata
 
@@ -142,6 +142,6 @@ def test_label(metadata):
     '', 'rows', 'sensor=x', 'sensor=x opening=y byte_ns=1',
     f'sensor=bahrs opening=1 byte_ns=1 ros_ns={2 ** 63} raw_ns=1',
     'sensor=bahrs opening=1 byte_ns=1 ros_ns=-1 raw_ns=1'])
-def test_label_of_somebody_else(label):
-    """It has no metadata."""
+def test_label_of_another_program(label):
+    """Parsing it returns None."""
     assert parse_label(label) is None

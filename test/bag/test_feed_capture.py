@@ -28,12 +28,12 @@ class Chunks(Capture):
         self._chunks = chunks
 
     def chunks(self):
-        """Return them."""
+        """Return the chunks."""
         return iter(self._chunks)
 
 
 def feed(*chunks):
-    """Return the pipeline, and for each chunk what came of it."""
+    """Return the pipeline, and the events of each chunk."""
     pipeline = Pipeline(Framer(BahrsFormat()), BahrsCodec(), ArrivalClock())
     return pipeline, list(feed_capture(Chunks(*chunks), pipeline, LogClock()))
 
@@ -43,8 +43,8 @@ def sequences(fed):
     return [[event.message.sequence for event in item.events] for item in fed]
 
 
-def test_messages_come_with_the_chunk_that_completes_them():
-    """Stamped by the time of its read; the end of the capture is a chunk without data."""
+def test_messages_belong_to_the_chunk_that_completes_them():
+    """The time of its read stamps them; the end of the capture is a chunk without data."""
     _, fed = feed(Chunk(FRAMES[0] + FRAMES[1][:5], START), Chunk(FRAMES[1][5:], START + 1000))
     assert sequences(fed) == [[0], [1], []]
     assert fed[0].events[0].stamp_ns == START - (SIZE + 5) * BYTE_NS
@@ -53,8 +53,8 @@ def test_messages_come_with_the_chunk_that_completes_them():
     assert not any(item.disconnected for item in fed)
 
 
-def test_another_opening_of_the_port_is_another_stream():
-    """Half a frame at the end of one does not join the next; a hidden frame is delivered."""
+def test_each_connection_is_a_stream():
+    """A frame does not continue in the next stream; the end delivers a frame inside another."""
     pipeline, fed = feed(
         Chunk(FRAMES[0] + UNFINISHED + FRAMES[1], START, connection_id=1),
         Chunk(FRAMES[2][:9], START + 1, connection_id=3),

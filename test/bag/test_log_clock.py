@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of log times: even over a clock that is set, and never decreasing."""
+"""Tests of log times: evenly spaced if the clock is set, and never decreasing."""
 
 from bahrs_driver.bag.log_clock import LATEST, LogClock, LogInstant, MAX_STEPS
 from hypothesis import given, strategies as st
@@ -10,8 +10,8 @@ HOUR = 3600 * S
 ROS, RAW = 1_700_000_000 * S, 50 * S
 
 
-def test_nobody_sets_the_clock():
-    """Log time is ROS time, also of a clock that is slewed."""
+def test_a_clock_that_is_only_slewed():
+    """Log time is ROS time."""
     clock, slewed = LogClock(), 0
     for index in range(100):
         slewed += 400_000 * (index % 2)         # 8 % of 5 ms
@@ -20,8 +20,8 @@ def test_nobody_sets_the_clock():
     assert clock.steps == [] and clock.sentences() == []
 
 
-def test_set_back_and_forward():
-    """Each step is reported with its time and size; log times go on evenly."""
+def test_a_clock_that_is_set_back_and_forward():
+    """Each step is reported with its time and size; log times continue evenly."""
     clock = LogClock()
     sets = {20: -HOUR, 50: 7 * S, 70: 24 * HOUR}
     offset = 0
@@ -36,15 +36,15 @@ def test_set_back_and_forward():
 
 
 def test_without_a_steady_clock():
-    """Order is kept, and spacing where time goes forward."""
+    """Log times keep their order, and their spacing where ROS time increases."""
     clock = LogClock()
     times = [ROS, ROS + S, ROS + S - HOUR, ROS + 2 * S - HOUR]     # the third a second later
     assert [clock.observe(time, None).log_ns - ROS for time in times] == [0, S, 2 * S, 3 * S]
     assert [step.size_ns for step in clock.steps] == [-HOUR - S]
 
 
-def test_a_host_that_was_started_again():
-    """Its steady clock restarts: log time continues by ROS time, which was not set."""
+def test_a_host_that_was_restarted():
+    """Its steady clock restarts, so log time follows ROS time."""
     clock = LogClock()
     instants = [clock.observe(ROS, 500 * S), clock.observe(ROS + 90 * S, 20 * S),
                 clock.observe(ROS + 91 * S, 21 * S)]
@@ -58,7 +58,7 @@ TIME = st.integers(0, 2 ** 31 * S)
 
 @given(st.lists(st.tuples(st.integers(0, 10 * S), st.integers(-HOUR, HOUR)), min_size=1))
 def test_spacing_is_that_of_the_steady_clock(moves):
-    """Whatever the clock is set by, to what slewing can be."""
+    """This holds for any steps, except for the amount that slewing may explain."""
     clock, raw, offset = LogClock(), RAW, 0
     last = clock.observe(ROS, RAW).log_ns
     for elapsed, step in moves:
@@ -71,8 +71,8 @@ def test_spacing_is_that_of_the_steady_clock(moves):
 
 
 @given(st.lists(st.tuples(TIME, st.one_of(st.none(), st.integers(0, 2 ** 63 - 1)))))
-def test_never_back_and_bounded(instants):
-    """For any labels at all."""
+def test_log_times_never_decrease_and_are_bounded(instants):
+    """This holds for any times in labels."""
     clock, last = LogClock(), LogInstant(0, 0, 0)
     for ros, raw in instants:
         instant = clock.observe(ros, raw)

@@ -14,14 +14,14 @@ from rclpy.context import Context
 from std_msgs.msg import String, UInt8MultiArray
 from support.waiting import wait_for
 
-EARLIER = 50        # messages of one publisher before anybody listened
-LATER = 20          # messages when one does
+EARLIER = 50        # messages of a publisher without subscribers
+LATER = 20          # messages once there is one
 PERIOD = 0.02       # s from one to the next
 
 
 @pytest.fixture(autouse=True)
 def ros():
-    """Have ROS for a test."""
+    """Initialize ROS for a test."""
     rclpy.init(args=[])
     yield
     rclpy.try_shutdown()
@@ -29,7 +29,7 @@ def ros():
 
 @contextlib.contextmanager
 def recording(name):
-    """Let a recorder run that listens to a node; give it and the messages that came."""
+    """Yield a running recorder of a node, and a function that waits for a number of messages."""
     recorder, came = Recorder(Selection(name, ROOT), False, pytest.fail), []
     recorder.start()
     try:
@@ -41,7 +41,7 @@ def recording(name):
 
 @contextlib.contextmanager
 def publishing(name, kind=String, topic='~/topic'):
-    """Make a publisher of its own participant, which has to be discovered."""
+    """Yield a publisher in its own DDS participant, which must be discovered."""
     context = Context()
     rclpy.init(args=[], context=context)
     node = rclpy.create_node(name, context=context)
@@ -59,8 +59,8 @@ def publish(publisher, count):
         time.sleep(PERIOD)
 
 
-def test_several_publishers_of_a_topic_lose_nothing():
-    """Each counts its own messages, so their numbers do not follow on each other."""
+def test_a_topic_with_several_publishers_shows_no_losses():
+    """Each publisher counts its own messages, so sequence numbers are not continuous."""
     publishers = [rclpy.create_node(name).create_publisher(String, '/shared_by_two', 100)
                   for name in ('first_of_two', 'second_of_two')]
     for _ in range(EARLIER):
@@ -76,7 +76,7 @@ def test_several_publishers_of_a_topic_lose_nothing():
 
 
 def test_a_driver_that_is_started_after_the_recorder(monkeypatch):
-    """What it published before both had found each other is counted."""
+    """Messages before discovery are counted as missed."""
     monkeypatch.setattr(topic_search, 'DISCOVERY', 0.0)      # else its rate decides
     with recording('late') as (recorder, came), publishing('late') as publisher:
         publish(publisher, 1)
@@ -89,7 +89,7 @@ def test_a_driver_that_is_started_after_the_recorder(monkeypatch):
 
 
 def test_a_driver_that_ran_before_the_recorder():
-    """Recording begins when it finds the topics: nothing was missed."""
+    """Recording begins at discovery: no message is missed."""
     with publishing('early') as publisher:
         for _ in range(100 * EARLIER):
             publisher.publish(String())
@@ -100,8 +100,8 @@ def test_a_driver_that_ran_before_the_recorder():
             assert recorder.missed == {} and recorder.lost == 0
 
 
-def test_a_driver_that_is_started_again():
-    """Its publishers count from 1 again."""
+def test_a_driver_that_is_restarted():
+    """Its publishers count from 1, and its messages before discovery are missed."""
     with recording('again') as (recorder, came):
         with publishing('again') as publisher:
             assert wait_for(publisher.get_subscription_count)
@@ -116,8 +116,8 @@ def test_a_driver_that_is_started_again():
                 item.topic == '/again/topic' for item in came(1)) == 3 + 2 * LATER)
 
 
-def test_raw_bytes_that_say_nothing():
-    """A message of another program, without a label, has the time of its arrival."""
+def test_raw_message_without_a_label():
+    """Its log time is its arrival."""
     with publishing('foreign', UInt8MultiArray, '/foreign/raw') as publisher, \
             recording('foreign') as (recorder, came):
         assert wait_for(publisher.get_subscription_count)

@@ -17,8 +17,8 @@ from support.targets import (
 )
 
 
-def test_nothing_is_seen_before_the_file_is_complete(tmp_path):
-    """Neither beside an existing file nor in an empty directory."""
+def test_the_target_changes_when_the_file_is_committed(tmp_path):
+    """This holds for a new target and for one that is replaced."""
     path = tmp_path / 'file'
     for replace, before in ((False, None), (True, b'first')):
         with atomic_file(path, replace) as file:
@@ -29,7 +29,7 @@ def test_nothing_is_seen_before_the_file_is_complete(tmp_path):
 
 
 def test_a_file_that_is_not_committed_leaves_nothing(tmp_path):
-    """Nor does one whose writer raises."""
+    """This holds if the writer raises an exception, too."""
     with atomic_file(tmp_path / 'file') as file:
         file.write(b'data')
     with pytest.raises(KeyboardInterrupt), atomic_file(tmp_path / 'file'):
@@ -39,7 +39,7 @@ def test_a_file_that_is_not_committed_leaves_nothing(tmp_path):
 
 @pytest.mark.parametrize('mask', [0o022, 0o077, 0o002])
 def test_modes_honour_the_umask(tmp_path, mask):
-    """Like the mode of any file that is opened."""
+    """The mode is that of any new file."""
     with umask(mask):
         write_atomic(tmp_path / 'file', b'')
     assert stat.S_IMODE((tmp_path / 'file').stat().st_mode) == 0o666 & ~mask
@@ -48,7 +48,7 @@ def test_modes_honour_the_umask(tmp_path, mask):
 @pytest.mark.parametrize('kind', EVERY_KIND)
 @pytest.mark.parametrize('replace', [False, True])
 def test_only_regular_files_are_replaced_and_only_on_demand(tmp_path, kind, replace):
-    """Everything else in the directory stays; a link still leads to its file."""
+    """Other files do not change, and a link remains a link."""
     path = tmp_path / 'target'
     EVERY_KIND[kind](path)
     before = snapshot(tmp_path)
@@ -66,7 +66,7 @@ def test_only_regular_files_are_replaced_and_only_on_demand(tmp_path, kind, repl
 
 @pytest.mark.parametrize('kind', IMPOSSIBLE)
 def test_paths_that_cannot_be_written(tmp_path, kind, monkeypatch):
-    """A sentence names the path."""
+    """A WriteError is raised, and no file changes."""
     monkeypatch.chdir(tmp_path)
     Path('file').write_bytes(PRECIOUS)
     before = snapshot(tmp_path)
@@ -75,8 +75,8 @@ def test_paths_that_cannot_be_written(tmp_path, kind, monkeypatch):
     assert snapshot(tmp_path) == before
 
 
-def test_a_directory_that_may_not_be_written_into():
-    """The error comes when the file is created, before there is data."""
+def test_a_directory_that_is_not_writable():
+    """A WriteError is raised when the file is created, before there is data."""
     with tempfile.TemporaryDirectory() as top:
         os.chmod(top, 0o555)
         with unprivileged(), pytest.raises(WriteError, match='Permission denied: choose another'):
@@ -85,7 +85,7 @@ def test_a_directory_that_may_not_be_written_into():
 
 
 def test_no_room(tmp_path):
-    """The older file stays, and nothing else."""
+    """The existing file does not change, and no temporary file remains."""
     path = tmp_path / 'file'
     path.write_bytes(PRECIOUS)
     with no_larger_file_than(1000), pytest.raises(WriteError, match='too large: choose another'):
@@ -95,8 +95,8 @@ def test_no_room(tmp_path):
 
 @pytest.mark.parametrize('kind', EVERY_KIND)
 @pytest.mark.parametrize('replace', [False, True])
-def test_what_appears_at_the_target_meanwhile_stays(tmp_path, kind, replace):
-    """Not even a link is followed then; only a regular file is replaced on demand."""
+def test_a_target_that_appears_before_the_commit(tmp_path, kind, replace):
+    """It stays, unless it is a regular file and may be replaced; a link is not followed."""
     path = tmp_path / 'target'
     with atomic_file(path, replace) as file:
         file.write(b'new')
@@ -114,8 +114,8 @@ def test_what_appears_at_the_target_meanwhile_stays(tmp_path, kind, replace):
         assert snapshot(tmp_path) == before
 
 
-def test_of_two_that_write_one_file_one_is_refused(tmp_path):
-    """Many writers without replace: the first file stays complete."""
+def test_several_writers_of_one_file(tmp_path):
+    """Without replace, one of them succeeds, and the others get TargetExists."""
     path, refused = tmp_path / 'file', []
     start = threading.Barrier(8)
 
@@ -139,7 +139,7 @@ def test_of_two_that_write_one_file_one_is_refused(tmp_path):
 
 
 def test_inside_a_directory_only(tmp_path):
-    """Relative or absolute; a link inside may lead elsewhere inside."""
+    """The path is relative or absolute, and may contain links inside the directory."""
     root = tmp_path / 'root'
     (root / 'sub').mkdir(parents=True)
     (root / 'link').symlink_to('sub')
@@ -156,8 +156,8 @@ def test_inside_a_directory_only(tmp_path):
 @pytest.mark.parametrize('path', [
     '../outside', 'sub/../../outside', '/etc/outside', 'out/outside', 'sub/out/outside', '/',
     '/dev/ttyS0', '..', '', '.', 'sub', 'target_link', 'missing/a', 'a\0b', 'x' * 300])
-def test_what_leads_out_of_the_directory(tmp_path, path):
-    """It is refused, and so is a link in place of the target."""
+def test_paths_outside_the_directory(tmp_path, path):
+    """They are rejected, and so is a link as the target."""
     root = tmp_path / 'root'
     (root / 'sub').mkdir(parents=True)
     (root / 'out').symlink_to(tmp_path)
@@ -170,8 +170,8 @@ def test_what_leads_out_of_the_directory(tmp_path, path):
     assert snapshot(tmp_path) == before
 
 
-def test_a_directory_that_becomes_a_link_while_the_data_comes(tmp_path):
-    """The file goes where the directory was when it was checked."""
+def test_a_directory_that_is_replaced_by_a_link(tmp_path):
+    """The file is written to the directory that was checked."""
     root, aside = tmp_path / 'root', tmp_path / 'aside'
     (root / 'sub').mkdir(parents=True)
     aside.mkdir()
@@ -190,7 +190,7 @@ PARTS = strategies.sampled_from([
 
 @given(strategies.lists(PARTS, max_size=6), strategies.booleans(), strategies.booleans())
 def test_no_path_leads_out_or_raises_anything_else(parts, absolute, replace):
-    """For any path: at most one file inside is new or replaced."""
+    """For any path, at most one file is new or replaced, and it is inside."""
     with tempfile.TemporaryDirectory() as name:
         top = Path(name).resolve()
         root = top / 'root'

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of text files that others read while they are written."""
+"""Tests of text files that other programs read while they grow."""
 
 import stat
 
@@ -10,8 +10,8 @@ import pytest
 from support.targets import EVERY_KIND, IMPOSSIBLE, no_larger_file_than, REGULAR, snapshot, umask
 
 
-def test_others_read_it_meanwhile(tmp_path):
-    """After each flush; the mode honours the umask."""
+def test_text_is_visible_after_each_flush(tmp_path):
+    """The mode of the file honours the umask."""
     path = tmp_path / 'file'
     with umask(0o027):
         file = LiveFile(path)
@@ -25,7 +25,7 @@ def test_others_read_it_meanwhile(tmp_path):
 @pytest.mark.parametrize('kind', EVERY_KIND)
 @pytest.mark.parametrize('replace', [False, True])
 def test_only_regular_files_are_replaced_and_only_on_demand(tmp_path, kind, replace):
-    """Nothing else is opened."""
+    """No other file is opened."""
     path = tmp_path / 'target'
     EVERY_KIND[kind](path)
     before = snapshot(tmp_path)
@@ -41,7 +41,7 @@ def test_only_regular_files_are_replaced_and_only_on_demand(tmp_path, kind, repl
 
 @pytest.mark.parametrize('kind', IMPOSSIBLE)
 def test_paths_that_cannot_be_written(tmp_path, kind, monkeypatch):
-    """A sentence names the path."""
+    """A WriteError is raised."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / 'file').touch()
     with pytest.raises(WriteError, match='cannot write'):

@@ -18,7 +18,7 @@ def fill(folder):
 
 @pytest.mark.parametrize('name', ['out', 'missing/parents/out', 'out/', 'x' * 255])
 def test_it_appears_at_the_end_of_the_block(tmp_path, name):
-    """Complete, with its parents, and with nothing beside it."""
+    """It is complete, its parents exist, and no temporary directory remains."""
     target = tmp_path / name
     with umask(0o027):
         with new_directory(f'{tmp_path}/{name}') as folder:
@@ -30,7 +30,7 @@ def test_it_appears_at_the_end_of_the_block(tmp_path, name):
 
 
 def test_nothing_remains_of_a_block_that_raises(tmp_path):
-    """Files of other programs stay."""
+    """Files of other programs are not removed."""
     (tmp_path / '.out.partial').mkdir()
     (tmp_path / '.out.partial' / 'kept').touch()
     before = snapshot(tmp_path)
@@ -48,7 +48,7 @@ def test_nothing_remains_of_a_block_that_raises(tmp_path):
 
 @pytest.mark.parametrize('kind', EVERY_KIND)
 def test_what_exists_is_left_alone(tmp_path, kind):
-    """Before the block and after it; an empty directory, too."""
+    """This holds before the block and after it, and for an empty directory, too."""
     target = tmp_path / 'out'
     EVERY_KIND[kind](target)
     before = snapshot(tmp_path)
@@ -66,7 +66,7 @@ def test_what_exists_is_left_alone(tmp_path, kind):
 
 
 def test_two_at_once(tmp_path):
-    """The first to finish has its files; the other one is refused, and removes nothing."""
+    """The first to finish succeeds; the other one raises TargetExists and removes no file."""
     with pytest.raises(TargetExists), new_directory(tmp_path / 'out') as slow:
         fill(slow)
         with new_directory(tmp_path / 'out') as fast:
@@ -77,7 +77,7 @@ def test_two_at_once(tmp_path):
 
 @pytest.mark.parametrize('kind', sorted(set(IMPOSSIBLE) - {'missing parent', 'trailing slash'}))
 def test_paths_that_cannot_be_made(tmp_path, kind, monkeypatch):
-    """A sentence names the path, before the work begins or when the name is given."""
+    """A WriteError is raised before the block, or when the directory is renamed."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / 'file').touch()
     before = snapshot(tmp_path)
@@ -86,8 +86,8 @@ def test_paths_that_cannot_be_made(tmp_path, kind, monkeypatch):
     assert snapshot(tmp_path) == before
 
 
-def test_a_directory_that_may_not_be_written_into(tmp_path_factory):
-    """The error comes before the work begins."""
+def test_a_directory_that_is_not_writable(tmp_path_factory):
+    """A WriteError is raised before the block."""
     top = tmp_path_factory.mktemp('closed')
     for path in (top, top.parent, top.parent.parent):
         path.chmod(0o755)

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is published does not depend on how an adapter cuts the stream into reads; stamps may."""
+"""Tests that messages, except for stamps, do not depend on the sizes of reads."""
 
 from collections import defaultdict
 from itertools import cycle
@@ -30,12 +30,12 @@ chunkings = st.lists(st.integers(1, LONGEST_READ), min_size=1, max_size=20)
 
 
 def health(chance, count):
-    """Return states of signals that are mostly safe."""
+    """Return the integrity of signals, mostly SAFE."""
     return tuple(chance.choice([Integrity.SAFE] * 20 + list(Integrity)) for _ in range(count))
 
 
 def messages(seed):
-    """Yield messages whose accuracy and integrity change all the time, each with its sample."""
+    """Yield messages with changing accuracy and integrity, each with its sample."""
     chance = random.Random(seed)
 
     def vector():
@@ -82,7 +82,7 @@ DATA, TIMES = stream(3)
 
 
 def chunks(sizes):
-    """Yield chunks of these sizes, over and over, and the host's raw time of each read."""
+    """Yield chunks, with sizes in a cycle, and the host's raw time of each read."""
     begin = 0
     for size in cycle(sizes):
         end = min(begin + size, len(DATA))
@@ -93,7 +93,7 @@ def chunks(sizes):
 
 
 def plain(message):
-    """Return what a message says, but for its stamps."""
+    """Return the values of a message, except for stamps."""
     message = message.__class__(**{name: getattr(message, name)
                                    for name in message.get_fields_and_field_types()})
     if hasattr(message, 'header'):
@@ -124,21 +124,21 @@ class Pieces(Capture):
         self._sizes = sizes
 
     def chunks(self):
-        """Return them."""
+        """Return the chunks."""
         return (Chunk(data, ORIGIN + raw, raw) for data, raw in chunks(self._sizes))
 
 
 class ByTopic:
-    """An output that keeps what came on each topic, but for stamps."""
+    """An output that stores the messages of each topic without stamps."""
 
     def __init__(self):
         self.messages = defaultdict(list)
 
     def begin(self, topics, latched):
-        """Take the topics."""
+        """Prepare the topics."""
 
     def write(self, topic, time_ns, message):
-        """Keep a message."""
+        """Store a message."""
         if topic not in ('raw', '/diagnostics'):        # they are about reads
             self.messages[topic].append(plain(message))
 
@@ -152,7 +152,7 @@ def converted(path, sizes):
 
 @pytest.fixture(scope='module')
 def whole():
-    """Return what is published of a stream that comes byte by byte."""
+    """Return the published messages of a stream that is read byte by byte."""
     return live([1])
 
 
@@ -162,18 +162,18 @@ def whole():
 @example(sizes=[LONGEST_READ])
 @example(sizes=[62])
 def test_what_the_node_publishes(whole, sizes):
-    """Messages and their order, across all topics."""
+    """The messages of all topics, and their order, do not depend on the reads."""
     assert live(sizes) == whole
 
 
 def as_received(message):
-    """Return a message with the values that its frame has room for."""
+    """Return a message with the precision of its frame."""
     codec = BahrsCodec()
     return codec.decode(Frame(0, codec.encode(message, 3), 'word'))
 
 
-def test_it_is_what_the_device_sent(whole):
-    """Each message becomes what it becomes alone, in the order of the stream."""
+def test_each_message_is_converted_as_if_alone(whole):
+    """Published messages are those of each message of the device, in their order."""
     sensor = DEVICES['bahrs'].parts(SETTINGS)
     alone = [(topic, plain(message)) for _, sent in messages(3)
              for topic, message in sensor.converter.convert(
@@ -185,7 +185,7 @@ def test_it_is_what_the_device_sent(whole):
 
 @pytest.mark.slow
 def test_what_is_converted(tmp_path):
-    """Of each topic, by whatever reads the flight was recorded."""
+    """The messages of each topic do not depend on the reads of the recording."""
     expected = converted(tmp_path, [7])
     assert len(expected['imu/data']) == SAMPLES // 2
     for sizes in ([LONGEST_READ], [62], [1, 3000], [24, 3, 111]):

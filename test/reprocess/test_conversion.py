@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of converting captures, against what the device was made to send."""
+"""Tests of converting captures of emulated devices."""
 
 import functools
 import math
@@ -25,8 +25,8 @@ from support.polled import PolledDevice
 from support.settings_examples import settings_of
 
 
-def test_stamps_are_near_the_truth_from_the_first_on(tmp_path):
-    """And all topics are there, in the order of time, and the bytes, too."""
+def test_all_topics_of_a_flight(tmp_path):
+    """Stamps are accurate from the first one on; all topics and bytes are in order."""
     chunks, truth = flight()
     kept, outcome = converted(Pieces(chunks, tmp_path))
     errors = [stamp - true for stamp, true in zip(stamps(kept), truth)]
@@ -43,7 +43,7 @@ def test_stamps_are_near_the_truth_from_the_first_on(tmp_path):
 
 
 def test_pages_of_the_memory(tmp_path):
-    """What a service read in the flight is on its topic again."""
+    """The page that a service read during the flight is on its topic."""
     chunks, _ = flight(2.0)
     page = bytes(range(PAGE_SIZE))
     *before, last = chunks
@@ -55,8 +55,8 @@ def test_pages_of_the_memory(tmp_path):
     assert message.layout.dim[0].label == 'page=3'
 
 
-def test_diagnostics_tell_of_the_flight(tmp_path):
-    """At the flight's own times: what was damaged, when nothing came, and that all is well."""
+def test_diagnostics_report_damage_and_silence(tmp_path):
+    """Reports have the times of the flight; tasks recover."""
     chunks, _ = flight(14.0)
     damaged = [chunk._replace(data=chunk.data[:-3] + b'xyz')
                if 4 * S < chunk.ros_ns - ORIGIN < 4.5 * S else chunk
@@ -65,22 +65,22 @@ def test_diagnostics_tell_of_the_flight(tmp_path):
     reports = [(time - ORIGIN, {status.name: status for status in array.status})
                for time, array in kept.messages['/diagnostics']]
 
-    def said(task, begin, end):
+    def reported(task, begin, end):
         return {(status.level[0], status.message) for time, statuses in reports
                 if begin * S <= time < end * S
                 for status in [statuses[f'bahrs_driver: {task}']]}
 
-    assert said('Framing', 2.5, 4) == {(0, 'All frames intact')}
-    assert any(level and 'damaged' in text for level, text in said('Framing', 4, 5.5))
-    assert any(level == 3 for level, _ in said('Rates', 9, 10))
-    assert (0, 'All messages at their rates') in said('Rates', 12, 14.1)
+    assert reported('Framing', 2.5, 4) == {(0, 'All frames intact')}
+    assert any(level and 'damaged' in text for level, text in reported('Framing', 4, 5.5))
+    assert any(level == 3 for level, _ in reported('Rates', 9, 10))
+    assert (0, 'All messages at their rates') in reported('Rates', 12, 14.1)
     assert {name for _, statuses in reports for name in statuses} == {
         f'bahrs_driver: {task}' for task in (
             'Framing', 'Time', 'Rates', 'Integrity', 'Device', 'Publishing')}
 
 
-def test_a_host_that_was_set(tmp_path):
-    """The stamps before are of the old time, those after of the new, none is between."""
+def test_stamps_if_the_clock_is_set(tmp_path):
+    """Stamps are in the old time or in the new, and none is between."""
     chunks, truth = flight(4.0)
     chunks = [chunk._replace(ros_ns=chunk.ros_ns + 3600 * S) if index >= 100 else chunk
               for index, chunk in enumerate(chunks)]
@@ -90,7 +90,7 @@ def test_a_host_that_was_set(tmp_path):
 
 
 def set_clock(chunks, sets, steady=True):
-    """Return chunks of a host whose clock was set, each time from some chunk on, by seconds."""
+    """Return chunks of a host whose clock is set at some chunks, each time by some seconds."""
     return [chunk._replace(
         ros_ns=chunk.ros_ns + S * sum(size for begin, size in sets if index >= begin),
         raw_ns=chunk.raw_ns if steady else None) for index, chunk in enumerate(chunks)]
@@ -98,7 +98,7 @@ def set_clock(chunks, sets, steady=True):
 
 @functools.cache
 def long_flight():
-    """Return chunks of more than messages are held back for, and what they are converted to."""
+    """Return a flight that is longer than messages are held, and its conversion."""
     chunks, _ = flight(12.0)
     kept, outcome = converted(Pieces(chunks, Path('flight')))
     assert outcome.clock_steps == []
@@ -108,14 +108,14 @@ def long_flight():
 @pytest.mark.parametrize('sets', [
     [(300, -3600)], [(1, -3600)], [(300, 3600)], [(100, -3600), (200, 7200), (600, -1)],
     [(700, -86400 * 365)], [(index, -1) for index in range(50, 700)]])
-def test_log_times_of_a_host_that_was_set(tmp_path, sets):
-    """Those of every topic are those of a host that was not, and the steps are told."""
+def test_log_times_if_the_clock_is_set(tmp_path, sets):
+    """Log times are those of a clock that is not set, and the steps are reported."""
     chunks, plain = long_flight()
     kept, outcome = converted(Pieces(set_clock(chunks, sets), tmp_path))
     assert "the host's clock was set by " in outcome.clock_steps[0]
     assert kept.times == sorted(kept.times)
     for topic in plain.messages:
-        if topic != '/diagnostics':             # which is also told of the steps
+        if topic != '/diagnostics':             # which reports the steps, too
             near = [abs(now - before) for (now, _), (before, _) in zip(
                 kept.messages[topic], plain.messages[topic], strict=True)]
             assert max(near, default=0) < 100_000, topic
@@ -125,7 +125,7 @@ def test_log_times_of_a_host_that_was_set(tmp_path, sets):
 
 @pytest.mark.parametrize('begin', [1, 300, 700])
 def test_log_times_without_a_steady_clock(tmp_path, begin):
-    """The order is kept, and the spacing but for the moment of the step."""
+    """Messages keep their order, and their spacing except at the step."""
     chunks, _ = long_flight()
     kept, outcome = converted(Pieces(set_clock(chunks, [(begin, -3600)], False), tmp_path))
     times = [time for time, _ in kept.messages['imu/data_raw']]
@@ -135,8 +135,8 @@ def test_log_times_without_a_steady_clock(tmp_path, begin):
     assert 11 * S < times[-1] - times[0] < 12.1 * S
 
 
-def test_a_port_that_was_lost(tmp_path):
-    """It says so where it was lost, as the node does, and the rest of a frame is no frame."""
+def test_a_lost_connection(tmp_path):
+    """The integrity is not_heard at that time, as in the node; the unfinished frame is skipped."""
     chunks, truth = flight(4.0)
     cut = [chunk if index != 100 else chunk._replace(data=chunk.data[:5])
            for index, chunk in enumerate(chunks[:101])]
@@ -149,7 +149,7 @@ def test_a_port_that_was_lost(tmp_path):
 
 @pytest.mark.slow
 def test_bytes_without_times(tmp_path):
-    """Stamps are device time, or count from a start; a restart goes on."""
+    """Stamps are device time, or begin at the given start; they continue after a restart."""
     device = make_device()
     data = b''.join(item.data for item in emissions(device, 5.0))
     device.power_cycle(5.0)
@@ -173,7 +173,7 @@ def test_bytes_without_times(tmp_path):
 
 
 def test_bytes_without_any_time_message(tmp_path):
-    """They come at the rate of the line."""
+    """The nominal period gives the stamps."""
     codec = BahrsCodec()
     frames = [codec.encode(message, 3) for message in decoded(b''.join(
         item.data for item in emissions(make_device(), 2.0)))
@@ -186,15 +186,15 @@ def test_bytes_without_any_time_message(tmp_path):
 
 
 def test_arrival_stamps(tmp_path):
-    """Without device time there is nothing to smooth, and it works."""
+    """With time.source:=arrival, stamps are not smoothed."""
     chunks, truth = flight(3.0)
     kept, _ = converted(Pieces(chunks, tmp_path), **{'time.source': 'arrival'})
     late = [stamp - true for stamp, true in zip(stamps(kept), truth)]
     assert len(late) > 400 and max(late) - min(late) > 5_000_000
 
 
-def test_a_flight_without_gps_has_its_odometry_again(tmp_path):
-    """Nobody recorded what was asked; what came tells."""
+def test_odometry_of_a_flight_without_gps(tmp_path):
+    """Answers alone show which messages were polled."""
     polled = PolledDevice(rates={StateRequest: 20.0})
     polled.run(4.0)
     chunks = [Chunk(data, ORIGIN + round(time * S), round(time * S))
@@ -203,8 +203,8 @@ def test_a_flight_without_gps_has_its_odometry_again(tmp_path):
     assert len(kept.messages['velocity']) > 70 and len(kept.messages['odometry']) > 30
 
 
-def test_answers_of_which_the_requests_are_not_known(tmp_path):
-    """Every topic again, under the arrival of each answer less its time on the line."""
+def test_polled_device(tmp_path):
+    """The stamp of an answer is its arrival minus its transmission time; requests are unknown."""
     polled = PolledDevice()
     polled.run(4.0)
     chunks = [Chunk(data, ORIGIN + round(time * S), round(time * S))
@@ -219,8 +219,8 @@ def test_answers_of_which_the_requests_are_not_known(tmp_path):
     assert len(errors) > 190 and 0 < min(errors) and max(errors) < 1_000_000
 
 
-def test_a_capture_whose_time_stands_still_is_converted_in_little_memory(tmp_path, monkeypatch):
-    """What is held until it is in order is limited in number, too; nothing of it is lost."""
+def test_number_of_held_messages_is_limited(tmp_path, monkeypatch):
+    """This holds even if all reads have the same time; no message is lost."""
     write_until, held = OrderedWriter.write_until, []
 
     def recorded(output, *now):

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whatever the labels and bytes of a bag say, converting it ends in a bag or in one sentence."""
+"""Property test: converting a bag with any labels creates a bag or fails with one sentence."""
 
 import functools
 from pathlib import Path
@@ -23,7 +23,7 @@ NUMBER = st.one_of(st.integers(0, 2 ** 63 - 1), st.integers(-3, 3), st.integers(
 
 @functools.cache
 def pieces():
-    """Return what was read of a device, 16 ms each."""
+    """Return the bytes of a device, in reads of 16 ms."""
     data = b''.join(item.data for item in emissions(make_device(), READS * 0.016))
     size = len(data) // READS
     return [data[index * size:(index + 1) * size] for index in range(READS)]
@@ -31,13 +31,13 @@ def pieces():
 
 @st.composite
 def labels(draw):
-    """Give a label for each read: good ones, with some in which a field is anything."""
+    """Return a label for each read, some of them with wrong fields or any text."""
     metadata = [ReadMetadata('bahrs', 1, 86805, ROS + index * 16_000_000, RAW + index * 16_000_000)
                 for index in range(READS)]
     for place in draw(st.lists(st.integers(0, READS - 1), max_size=8)):
         field = draw(st.sampled_from(ReadMetadata._fields[1:]))
         metadata[place] = metadata[place]._replace(**{field: draw(NUMBER)})
-    if draw(st.booleans()):         # from some read on, as where a host was started again
+    if draw(st.booleans()):         # from some read on, as if the host was restarted
         place, by = draw(st.integers(0, READS)), draw(st.integers(-RAW, END_OF_TIME))
         field = draw(st.sampled_from(('ros_ns', 'raw_ns')))
         metadata[place:] = [item._replace(**{field: getattr(item, field) + by})
@@ -52,7 +52,7 @@ def labels(draw):
 @given(labels=labels(), log_time=st.integers(0, 2 ** 64 - 1),
        lost=st.sets(st.integers(0, READS - 1), max_size=5))
 def test_labels_of_any_kind(labels, log_time, lost):
-    """Log times never go back, and what is wrong is no traceback."""
+    """Log times never decrease, and errors have no traceback."""
     items = [(log_time, serialize_message(raw.message(data, label)))
              for index, (data, label) in enumerate(zip(pieces(), labels)) if index not in lost]
     with tempfile.TemporaryDirectory() as folder:

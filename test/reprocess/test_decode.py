@@ -13,7 +13,7 @@ FRAMES = [BahrsCodec().encode(SyncPulseTime(i, 1000 * i), 3) for i in range(4)]
 
 
 def test_a_frame_that_cannot_be_decoded_is_reported(monkeypatch):
-    """The other messages are decoded; the first of several frames is named."""
+    """The others are decoded; the notice has the number of faults and the first frame."""
     decode = BahrsCodec.decode
 
     def fail(self, frame, now=0):
@@ -33,8 +33,8 @@ def test_a_frame_that_cannot_be_decoded_is_reported(monkeypatch):
     assert 'KeyError: 1' in sentence
 
 
-def test_no_fault_has_no_notice():
-    """Notices of a clock are no faults."""
+def test_no_notice_without_a_fault():
+    """Notices of a clock are not faults."""
     faults = DecodingFaults()
     assert not list(faults.messages([Notice('set')]))
     assert faults.notices() == []

@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Test streams without read times, cut anywhere: every sample has its device time."""
+"""Tests of streams without read times, cut anywhere: every sample has its device time."""
 
 from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.clock import Instant
@@ -66,7 +66,7 @@ def frames_of(data):
 
 
 def check(found, data, truth):
-    """Check the promises. truth has (epoch, device time in ns) by the offset of each sample."""
+    """Check stamps. truth has (epoch, device time in ns) by the offset of each sample."""
     frames = frames_of(data)
     assert [item.frame.offset for item in found] == [frame.offset for frame in frames]
     for kind in (*SAMPLES, InertialTime, NavigationTime, SyncPulseTime):
@@ -120,7 +120,7 @@ def recording():
 @example(0, 30_000, 1000, None)
 @example(1000, 25, 1000, None)
 def test_the_recording_cut_at_any_byte(recording, begin, length, size, start):
-    """Every sample has its time, and so have the messages before the first one."""
+    """Every sample has its device time, and messages before the first one have a stamp."""
     data, truth = recording
     cut = data[begin:begin + length]
     found = stamped(cut, start, size)
@@ -137,7 +137,7 @@ def test_the_recording_cut_at_any_byte(recording, begin, length, size, start):
 
 @pytest.mark.slow
 def test_the_whole_recording(recording):
-    """Every sample has its time."""
+    """Every sample has its device time."""
     data, truth = recording
     check(stamped(data), data, truth)
 
@@ -167,7 +167,7 @@ def emulated(seconds, restarts=(), loss=0.0, damage=0.0, seed=1, forget=(), **be
        restarts=st.lists(st.floats(0.7, 4.0), max_size=2).map(sorted), seed=st.integers(0, 999),
        begin=st.floats(0, 1), end=st.floats(0, 1))
 def test_emulated_streams_cut_at_any_byte(begin, end, **what):
-    """Of every protocol version, with losses and restarts, cut at both ends."""
+    """Streams of any protocol version, with losses and restarts, have correct periods."""
     data, truth = emulated(5.0, **what)
     begin, end = sorted((round(begin * len(data)), round(end * len(data))))
     cut = data[begin:end]
@@ -175,7 +175,7 @@ def test_emulated_streams_cut_at_any_byte(begin, end, **what):
 
 
 def test_a_restart_takes_a_second():
-    """A second lies between the last sample before it and the first one after it."""
+    """The last sample before it and the first one after it are one second apart."""
     data, truth = emulated(6.0, restarts=(3.0,))
     samples = [(truth[item.frame.offset][0], item.stamp_ns) for item in stamped(data)
                if isinstance(item.message, Inertial)]
@@ -187,8 +187,8 @@ def test_a_restart_takes_a_second():
     ('inertial_time', 'navigation_time'), ('inertial',), ('navigation',), ('inertial_time',),
     ('navigation_time',), ('inertial_time', 'inertial'),
     ('inertial_time', 'navigation_time', 'inertial')])
-def test_streams_that_lack_a_kind_of_message(forget):
-    """Counters alone give the period, and one type of time message is enough."""
+def test_streams_without_some_types_of_messages(forget):
+    """Counters alone give the period, and one type of time message gives device time."""
     data, truth = emulated(4.0, forget=forget)
     found = stamped(data)
     check(found, data, truth)
@@ -200,8 +200,8 @@ def test_streams_that_lack_a_kind_of_message(forget):
 
 
 @pytest.mark.parametrize('begin', [5, 100, 1000])
-def test_a_pause_is_where_the_time_messages_say(begin):
-    """Device time continues during a silence in which the counter wraps."""
+def test_a_pause_in_which_the_counter_wraps(begin):
+    """Samples after the pause have their device time."""
     codec = BahrsCodec()
     data, truth = emulated(8.0)
     ends = [frame.end for frame in frames_of(data) if type(codec.decode(frame)) is Navigation]
@@ -214,8 +214,8 @@ def test_a_pause_is_where_the_time_messages_say(begin):
     assert found and errors
 
 
-def test_one_wrong_time_message_moves_nothing():
-    """Neither forward nor back."""
+def test_one_wrong_time_message_is_ignored():
+    """Stamps do not change."""
     data, truth = emulated(4.0)
     codec = BahrsCodec()
     right = [item.stamp_ns for item in stamped(data) if isinstance(item.message, SAMPLES)]
@@ -231,7 +231,7 @@ def test_one_wrong_time_message_moves_nothing():
 
 @pytest.mark.parametrize('clock_start', [2 ** 40, 2 ** 52, 2 ** 62])
 def test_a_device_time_that_ros_cannot_hold(clock_start):
-    """Times after 2038 count from 1970, and so do nonsense times."""
+    """Stamps begin in 1970 if device time is after 2038."""
     data, truth = emulated(3.0)
     codec = BahrsCodec()
     moved = b''
@@ -254,8 +254,8 @@ def test_a_forced_label_and_a_fixed_latency():
     assert {one - other for one, other in zip(plain, forced)} == {1000 - PERIOD}
 
 
-def test_nothing_but_a_version():
-    """The stream contains no time."""
+def test_a_stream_without_samples():
+    """A version message has a stamp, although no time is known."""
     data = BahrsCodec().encode(SoftwareVersion('ABC', 1, 2), 3)
     (found,) = stamped(data)
     assert found.stamp_ns >= 0 and stamped(b'') == []

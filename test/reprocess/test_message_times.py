@@ -1,6 +1,6 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of device times of messages, against a stream whose true times are known."""
+"""Tests of the device times of messages in streams with known times."""
 
 from bahrs_driver.protocol.bahrs.messages import (
     Accuracy, Inertial, InertialTime, Navigation, NavigationTime, SoftwareVersion,
@@ -41,8 +41,8 @@ def times(found):
 
 @given(ahead=st.integers(0, 1), ppm=st.integers(-200, 200), first=st.integers(0, 255),
        begin=st.integers(0, 200), end=st.integers(0, 200))
-def test_every_message_of_a_good_stream(ahead, ppm, first, begin, end):
-    """Wherever it is cut, even before the first time message and after the last."""
+def test_every_message_of_a_good_stream_has_its_time(ahead, ppm, first, begin, end):
+    """This holds before the first time message and after the last one, too."""
     found = stream(600, START, ahead, ppm, first)
     made = times(found[begin:len(found) - end])
     assert all(abs(time - true) <= 10 for time, true in made)
@@ -52,7 +52,7 @@ def test_every_message_of_a_good_stream(ahead, ppm, first, begin, end):
 @given(lost=st.sets(st.integers(0, 1200), max_size=600), gap=st.integers(0, 420),
        place=st.integers(0, 1200), again=st.integers(0, 10 ** 6))
 def test_losses_and_restarts_give_no_wrong_time(lost, gap, place, again):
-    """The time of a message is right, or None."""
+    """The time of each message is right, or None."""
     found = stream(700)
     found = found[:place] + found[place + gap:] + [
         (SoftwareVersion('OSS', 1, 2), None), *stream(300, again)]
@@ -60,12 +60,12 @@ def test_losses_and_restarts_give_no_wrong_time(lost, gap, place, again):
     made = times(found)
     assert all(time is None or true is not None and abs(time - true) <= 10
                for time, true in made)
-    # Most have one: a part between two time messages is a tenth of a second.
+    # Most have one: there are ten time messages per second.
     assert sum(time is not None for time, _ in made[-300:]) > 200
 
 
 def test_a_device_without_a_time():
-    """Its zeros are no time, and the messages before have none."""
+    """Zeros are not times: messages have none until the first valid time message."""
     zero = {InertialTime: InertialTime(0, 0, 0), NavigationTime: NavigationTime(0, 0, 0)}
     early = [(zero.get(type(message), message), None)
              for message, _ in stream(81) if not isinstance(message, Accuracy)]
@@ -84,7 +84,7 @@ def test_the_end_after_a_restart():
 
 
 def test_one_wrong_time_message():
-    """It makes no other time wrong."""
+    """No other message gets a wrong time."""
     found = stream(600)
     place = next(index for index, (message, _) in enumerate(found)
                  if index > 400 and isinstance(message, InertialTime))
@@ -95,8 +95,8 @@ def test_one_wrong_time_message():
     assert sum(time is None for time, _ in made) <= 40
 
 
-def test_a_stream_without_time_messages_is_held_to_a_limit():
-    """Messages leave without times."""
+def test_number_of_held_messages_is_limited():
+    """Messages of a stream without time messages are returned without times."""
     taken = 0
 
     def source():
@@ -110,8 +110,8 @@ def test_a_stream_without_time_messages_is_held_to_a_limit():
         assert time is None and taken <= index + MOST_HELD + 1
 
 
-def test_messages_leave_within_a_tenth_of_a_second():
-    """Even from a pipe, messages are printed while the device sends."""
+def test_messages_are_held_for_a_tenth_of_a_second():
+    """So messages from a pipe are printed while the device sends."""
     taken = 0
 
     def source():
