@@ -16,18 +16,19 @@ change where the counters jump, or else right before the sample of the second an
 at the period of the device, and uses the nominal period for a stream without any time message.
 """
 
+from bisect import bisect_right
 from collections import deque
 from typing import NamedTuple
 
 from bahrs_driver.clock.timeline import PERIOD_TOLERANCE, Timeline
 from bahrs_driver.reprocess.count_ranges import CountRanges
-from bahrs_driver.reprocess.segments import Segment, Segments
 from bahrs_driver.units import COUNTER_MODULUS, NS_PER_S, ROS_TIME_END_S
 
 RESTART_DURATION = NS_PER_S         # assumed
 LONGEST_PAUSE = 30 * 86_400 * NS_PER_S      # ns; a clock that is further ahead was set
 LATEST_TIME = ROS_TIME_END_S * NS_PER_S
 MOST_JUMPS = 1000                   # since the latest anchor
+MOST_SEGMENTS = 1000                # kept behind the sample that was last asked for
 FIRST, LAST = -2 ** 62, 2 ** 62     # counts before and after all others
 
 
@@ -57,6 +58,21 @@ class Jump(NamedTuple):
         return (self.before + self.after) // 2
 
 
+class Segment(NamedTuple):
+    """Samples whose time is linear, up to the begin of the next segment."""
+
+    begin: int              # count of its first sample
+    sample: int             # count of a sample whose time is known
+    time: int               # device time of that sample, in ns
+    elapsed: int            # ns of so many samples
+    samples: int
+    offset: int = 0         # ROS time minus device time, in ns
+
+    def time_of(self, count: int) -> int:
+        """Return the device time of a sample."""
+        return self.time + (count - self.sample) * self.elapsed // self.samples
+
+
 class SampleTimes:
     """Computes the device time of each sample from that of some samples."""
 
@@ -71,7 +87,7 @@ class SampleTimes:
         self._latest = Anchor(FIRST, 0, 0)              # of the timeline
         self._candidate: Timeline | None = None
         self._contradicting = self._latest              # the only anchor of the candidate
-        self._segments = Segments()
+        self._segments: list[Segment] = []              # in ascending order
         self._certain = CountRanges()
 
     # For a stream as it arrives:
@@ -105,8 +121,10 @@ class SampleTimes:
         """Return the device time of a sample in ns, None if uncertain; counts must ascend."""
         if not self._certain.contains(count):
             return None
-        self._segments.discard_before(count)
-        return self._segments.at(count).time_of(count)
+        passed = self._index(count)
+        if passed > MOST_SEGMENTS:
+            del self._segments[:passed]
+        return self.segment(count).time_of(count)
 
     def end_stream(self) -> None:
         """Make the time after the latest anchor certain up to the next jump."""
@@ -133,26 +151,31 @@ class SampleTimes:
         if self._timeline:
             self._extrapolate(self._timeline)
         else:
-            self._segments.add(Segment(FIRST, 0, 0, self._period, 1))
-        head = self._segments.first
+            self._segments.append(Segment(FIRST, 0, 0, self._period, 1))
+        head, offset = self._segments[0], 0
         if start is not None:
             offset = start - head.time
-        else:
-            offset = -head.time if self._segments.latest_ros_time() >= LATEST_TIME else 0
-        self._segments.shift(max(offset, -head.time_of(first)))
+        elif max(item.time + item.offset for item in self._segments) >= LATEST_TIME:
+            offset = -head.time
+        offset = max(offset, -head.time_of(first))
+        self._segments = [item._replace(offset=item.offset + offset) for item in self._segments]
 
     def segment(self, count: int) -> Segment:
         """Return the segment of a sample."""
-        return self._segments.at(count)
+        return self._segments[self._index(count)]
 
     def ros_time(self, count: int) -> int:
         """Return the ROS time of a sample, in ns."""
-        segment = self._segments.at(count)
+        segment = self.segment(count)
         return segment.time_of(count) + segment.offset
+
+    def _index(self, count: int) -> int:
+        """Return the index of the segment of a sample."""
+        return max(0, bisect_right(self._segments, count, key=lambda item: item.begin) - 1)
 
     def _extend(self, anchor: Anchor) -> None:
         """Continue the timeline to an anchor that agrees."""
-        before, last = self._latest, self._segments.last
+        before, last = self._latest, self._segments[-1]
         samples, elapsed = anchor.sample - before.sample, anchor.time - before.time
         if samples <= 0 or not self._timeline:
             return
@@ -160,7 +183,7 @@ class SampleTimes:
         self._timeline.accept(anchor.sample, anchor.time)
         self._certain.add(before.sample, anchor.sample)
         if (last.sample, last.time) == before[:2]:
-            self._segments.replace_last(last._replace(elapsed=elapsed, samples=samples))
+            self._segments[-1] = last._replace(elapsed=elapsed, samples=samples)
         elif last.time_of(anchor.sample) != anchor.time:
             self._add_segment(before, elapsed, samples)
         while self._jumps and self._jumps[0].after <= anchor.sample:
@@ -168,14 +191,14 @@ class SampleTimes:
 
     def _add_segment(self, anchor: Anchor, elapsed: int, samples: int) -> None:
         """Add a segment that begins at an anchor of the last one."""
-        self._segments.add(self._segments.last._replace(
+        self._segments.append(self._segments[-1]._replace(
             begin=anchor.sample, sample=anchor.sample, time=anchor.time,
             elapsed=elapsed, samples=samples))
 
     def _extrapolate(self, timeline: Timeline) -> None:
         """Continue from the latest anchor at the period of the device."""
         later = self._latest.sample + COUNTER_MODULUS
-        if self._segments.last.time_of(later) != timeline.time_of(later):
+        if self._segments[-1].time_of(later) != timeline.time_of(later):
             self._add_segment(self._latest, timeline.time_of(later) - self._latest.time,
                               COUNTER_MODULUS)
 
@@ -198,7 +221,8 @@ class SampleTimes:
             self._certain.add(max((jump.after for jump in self._jumps
                                    if jump.after <= anchor.sample), default=self._begin) - 1,
                               anchor.sample)
-            self._segments.add(Segment(self._begin, anchor.sample, anchor.time, self._period, 1))
+            self._segments.append(
+                Segment(self._begin, anchor.sample, anchor.time, self._period, 1))
             self.epochs += 1
         self._timeline, self._latest, self._candidate = self._candidate, anchor, None
         while self._jumps and self._jumps[0].before < anchor.sample:
@@ -207,7 +231,7 @@ class SampleTimes:
     def _add_discontinuity(self, timeline: Timeline, anchor: Anchor) -> None:
         """Find where time jumps between the latest anchor and another one."""
         self._extrapolate(timeline)
-        last, latest = self._segments.last, self._latest
+        last, latest = self._segments[-1], self._latest
         jump = self._find_jump(latest, anchor) or Jump(anchor.sample - 1, anchor.sample, 0, False)
         ended = last.time_of(jump.before)
         begins = anchor.time - (anchor.sample - jump.after) * self._period
@@ -215,10 +239,10 @@ class SampleTimes:
                       self._period, 1, last.offset)
         if self._restarted(latest, anchor) or begins - ended > LONGEST_PAUSE:
             self.epochs += 1
-            self._segments.add(new._replace(
+            self._segments.append(new._replace(
                 offset=last.offset + ended + RESTART_DURATION - begins))
         elif begins > ended:
-            self._segments.add(new)
+            self._segments.append(new)
         else:                   # implausible counters: less time passed than their samples take
             self._add_segment(latest, anchor.time - latest.time,
                               max(1, anchor.sample - latest.sample))
