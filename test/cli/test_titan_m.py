@@ -76,7 +76,7 @@ def test_ambiguous_byte_order():
     assert (out, status) == ('', 1) and '3 answers are not decoded' in err
     out, err, status = run('decode', '--format', 'jsonl', '--payload-order', 'big', '-', data=data)
     assert (len(out.splitlines()), err, status) == (3, '', 0)
-    # What comes later tells of them, too.
+    # A later answer decides the byte order of these, too.
     out, _, _ = run('decode', '--format', 'jsonl', '-', data=data + build_answer(STATE))
     assert [json.loads(line)['offset'] for line in out.splitlines()] == [0, 56, 112, 168]
 
