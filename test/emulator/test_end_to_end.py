@@ -57,7 +57,7 @@ def worst_vector(found, true, quantum, convention):
 
 @pytest.mark.parametrize('convention', ['enu', 'ned'])
 def test_topics_agree_with_the_truth(flown, convention):
-    """Over the whole flight: above 4,500 m, through north, through south."""
+    """The flight goes above 4,500 m, and through north and south."""
     converter = sensor(convention).converter
     inertial, navigation, seen = {}, {}, []
     worst = dict.fromkeys(('force', 'rate', 'angle', 'heading', 'height', 'velocity'), 0.0)
@@ -113,7 +113,7 @@ def places(found, true):
 
 
 def test_a_subscriber_receives_the_truth(tmp_path):
-    """The same holds through port, node and middleware, as processes."""
+    """Port, node and middleware are real, in processes of their own."""
     link, truth_file = str(tmp_path / 'port'), tmp_path / 'truth.jsonl'
     topics = {'heading': Float64, 'pressure_altitude': NavSatFix, 'imu/data_raw': Imu}
     with listening(topics) as ear:

@@ -16,6 +16,7 @@ from bahrs_driver.protocol.bahrs.frames import BahrsCodec
 from bahrs_driver.protocol.bahrs.messages import Acknowledgement, EnterDiagnostics, Inertial
 import pytest
 from support.emulated import decoded, make_device, make_emulation
+from support.ports import opened
 
 
 @contextlib.contextmanager
@@ -27,16 +28,6 @@ def control():
     finally:
         os.close(out)
         os.close(into)
-
-
-@contextlib.contextmanager
-def opened(path):
-    """Open a port, as a driver does."""
-    port = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-    try:
-        yield port
-    finally:
-        os.close(port)
 
 
 def received(port):

@@ -91,7 +91,7 @@ def xyz(vector):
 @pytest.mark.parametrize('payload, checksum, length', [
     ('little', 'big', 0x3A), ('big', 'little', 0x2E)])
 def test_a_whole_flight_across_the_equator_and_a_zone_border(payload, checksum, length):
-    """Published values are true to 2 cm and to one quantum of the wire format."""
+    """The error of published values is at most 2 cm and one quantum of the wire format."""
     flight = Flight()
     polled = PolledDevice(make_titan(
         flight, START, payload_order=payload, checksum_order=checksum, request_order=checksum,
@@ -141,8 +141,8 @@ def test_a_whole_flight_across_the_equator_and_a_zone_border(payload, checksum, 
     (0x2E, AT_ONCE, PollOptions(pipelined=True)),
     (0x3A, 0.016, PollOptions(pipelined=True, counted_ids=True)),
 ])
-def test_rates_are_kept_and_losses_counted_with_one_in_a_hundred_damaged(length, mode, options):
-    """50 Hz, 50 Hz and 10 Hz fit 115200 baud, and no answer is mistaken for another."""
+def test_polling_keeps_its_rates_and_counts_damaged_answers(length, mode, options):
+    """Rates of 50, 50 and 10 Hz fit 115,200 baud; one answer in a hundred is damaged."""
     seconds = 60.0
     device = make_titan(SteadyTurn(), (0.0, 6.0), MeasurementErrors(1, DEVIATIONS),
                         sensors_length=length)
@@ -186,7 +186,7 @@ def test_late_and_repeated_answers_are_counted_and_dropped():
 
 
 def test_polling_resumes_after_a_power_cycle():
-    """Only the answers of a second of silence are lost."""
+    """The device is silent for a second, and only answers in that time are lost."""
     polled = PolledDevice()
     polled.run(5.0)
     before = polled.poller.answered.total()
@@ -204,7 +204,7 @@ def counted(ear):
 
 
 def test_subscribers_receive_the_truth(tmp_path):
-    """The node as a process, with one answer in a hundred damaged: values and counts."""
+    """Values and counts agree with the truth; one answer in a hundred is damaged."""
     link, truth_file = str(tmp_path / 'port'), tmp_path / 'truth.jsonl'
     with listening({**TOPICS, **DIAGNOSTICS}) as ear:
         with running('bahrs', 'emulate', '--sensor', 'titan_m', '--link', link, '--wait',

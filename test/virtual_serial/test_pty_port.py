@@ -13,18 +13,9 @@ import threading
 from bahrs_driver.errors import WriteError
 from bahrs_driver.virtual_serial.pty_port import PtyPort
 import pytest
+from support.ports import opened
 from support.targets import EVERY_KIND, IMPOSSIBLE, snapshot
 from support.waiting import wait_for
-
-
-@contextlib.contextmanager
-def opened(path):
-    """Open the far end, as a driver does."""
-    descriptor = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-    try:
-        yield descriptor
-    finally:
-        os.close(descriptor)
 
 
 def test_bytes_go_both_ways_unchanged():
