@@ -55,13 +55,18 @@ class DescriptorChannel:
         """Use a descriptor, which its owner closes."""
         self._descriptor = descriptor
         os.set_blocking(descriptor, False)
+        self._poll = select.poll()
+        self._poll.register(descriptor, select.POLLIN)
+        self._waker_polled = -1         # descriptor
 
     def read(self, timeout: float, waker: Waker) -> Reading | None:
         """Wait for bytes and return all; None after timeout seconds, or if woken."""
-        poll = select.poll()
-        poll.register(self._descriptor, select.POLLIN)
-        poll.register(waker.fileno(), select.POLLIN)
-        if not poll.poll(timeout * 1e3) or waker.clear():
+        self._register(waker.fileno())
+        ready = self._poll.poll(timeout * 1e3)
+        if not ready:
+            return None
+        if len(ready) > 1 or ready[0][0] != self._descriptor:
+            waker.clear()
             return None
         # An adapter delivers bytes in blocks: read a whole block, with one time. A time from
         # before the count could be earlier than the last bytes counted.
@@ -76,6 +81,11 @@ class DescriptorChannel:
             self._handle_end_of_stream()
             return None
         return Reading(data, now)
+
+    def _register(self, waker: int) -> None:
+        if waker != self._waker_polled:
+            self._poll.register(waker, select.POLLIN)
+            self._waker_polled = waker
 
     def write(self, data: bytes, timeout: float, waker: Waker) -> None:
         """Send all of data within timeout seconds, unless woken."""

@@ -95,9 +95,11 @@ class RequestLoop:
     def _take_request(self) -> _Request | None:
         """Return the request that is due, if any. Hold the lock."""
         scheduler = self.scheduler
-        data = scheduler.send(now_ns()) if scheduler else b''
+        if scheduler is None:
+            return None
+        data = scheduler.send(now_ns())
         self.lock.notify_all()          # send() may have ended a session
-        return _Request(scheduler, data) if scheduler and data else None
+        return _Request(scheduler, data) if data else None
 
     def _time_to_next(self) -> float | None:
         """Return the seconds until a request may be due; None if no time is set. Hold the lock."""
