@@ -10,8 +10,10 @@ accepts messages of ROS as its own, except for bytes and arrays of bytes.
 from collections.abc import Callable, Mapping
 from functools import cache
 from types import SimpleNamespace
+from typing import Any
 
 from bahrs_driver.bag.topics import typestore
+from bahrs_driver.ros_layout.layouts import LAYOUTS
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 import numpy as np
 from std_msgs.msg import UInt8MultiArray
@@ -24,11 +26,13 @@ def type_name(kind: type) -> str:
     return f'{package}/msg/{kind.__name__}'
 
 
-def serialized(message: object) -> bytes:
-    """Serialize a message."""
-    kind = type(message)
+def serialized(message: Any) -> bytes:
+    """Serialize values of convert.values, or a message object."""
+    kind: type = type(message)
+    if layout := LAYOUTS.get(kind):
+        return layout.serialize(message)
     adapt = _ADAPTERS.get(kind)
-    name = type_name(kind)  # type: ignore[arg-type]
+    name = type_name(kind)
     return bytes(typestore().serialize_cdr(adapt(message) if adapt else message, name))
 
 

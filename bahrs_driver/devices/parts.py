@@ -7,11 +7,12 @@ Parts decode, stamp and convert a live or recorded stream, and need no port. A L
 the port of a live stream.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 from bahrs_driver.clock import Clock
+from bahrs_driver.convert.outgoing import Outgoing
 from bahrs_driver.devices.nvm_reader import NvmReader
 from bahrs_driver.diagnostics.stream_health import StreamHealth
 from bahrs_driver.diagnostics.task import DiagnosticTask
@@ -24,16 +25,23 @@ from bahrs_driver.transport.request_loop import RequestLoop
 
 
 class Converter(Protocol):
-    """Converts device messages to ROS messages."""
+    """
+    Converts device messages to what is published on topics.
 
-    def convert(self, message: Message, stamp_ns: int) -> Iterator[tuple[str, object]]:
-        """Convert a device message to ROS messages, each with its topic."""
+    That is values of `convert.values`, which are fast to serialize, or message objects of ROS.
+    """
 
-    def end_stream(self, _stamp_ns: int) -> Iterator[tuple[str, object]]:
+    def convert(self, message: Message, stamp_ns: int) -> Outgoing:
+        """Convert a device message to values, each with its topic."""
+
+    def select(self, _topics: Container[str]) -> None:
+        """Convert only for these topics from now on; the others have no subscriber."""
+
+    def end_stream(self, _stamp_ns: int) -> Outgoing:
         """Forget the stream, and return messages that report its end."""
         return iter(())
 
-    def report_silence(self, _stamp_ns: int) -> Iterator[tuple[str, object]]:
+    def report_silence(self, _stamp_ns: int) -> Outgoing:
         """Return messages that report a pause of the stream."""
         return iter(())
 

@@ -41,7 +41,7 @@ class Updater:
         self._faults = faults
         self._lock = threading.Lock()
         self._reported: list[Summary] = []
-        self._reported_at = -MIN_INTERVAL
+        self._reported_at = self._evaluated_at = -MIN_INTERVAL
 
     def report_allowed(self) -> bool:
         """Return whether the latest report is at least MIN_INTERVAL old."""
@@ -49,12 +49,18 @@ class Updater:
             return self._clock() - self._reported_at >= MIN_INTERVAL
 
     def change_due(self) -> bool:
-        """Return whether a level or message has changed and a report is allowed."""
+        """
+        Return whether a level or message differs from the latest report.
+
+        The tasks run 20 times a second at most, however often this is called.
+        """
         with self._lock:
             now = self._clock()
-            return now - self._reported_at >= MIN_INTERVAL and \
-                [_without_numbers(self._run(task, now))
-                 for task in self._tasks] != self._reported
+            if now - self._evaluated_at < MIN_INTERVAL:
+                return False
+            self._evaluated_at = now
+            return [_without_numbers(self._run(task, now))
+                    for task in self._tasks] != self._reported
 
     def summaries(self) -> dict[str, Summary]:
         """Return the present level and message of each task, by its name."""
@@ -70,7 +76,7 @@ class Updater:
             now = self._clock()
             statuses = [(task.name, self._run(task, now)) for task in self._tasks]
             self._reported = [_without_numbers(status) for _, status in statuses]
-            self._reported_at = now
+            self._reported_at = self._evaluated_at = now
             return [DiagnosticStatus(
                 level=status.level, name=status_name(self._node_label, name),
                 message=status.message, hardware_id=self.hardware_id,

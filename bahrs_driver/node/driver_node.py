@@ -8,7 +8,8 @@ import sys
 import time
 
 from bahrs_driver.bag.read_metadata import ReadMetadata
-from bahrs_driver.convert import raw, ros
+from bahrs_driver.convert import raw
+from bahrs_driver.convert.header import nanoseconds
 from bahrs_driver.devices.registry import DEVICES, parameter_table, recognize
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.diagnostics.framing_task import FramingTask
@@ -27,6 +28,7 @@ from bahrs_driver.node.topics import QUEUE_DEPTH, Topics
 from bahrs_driver.pipeline import DecodingFault, Notice, Stamped
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.protocol.message import Message
+from bahrs_driver.ros_layout.serializer import Serializer
 from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.node_settings import NodeSettings
 from bahrs_driver.settings.parameter_node import ParameterNode
@@ -68,7 +70,8 @@ class DriverNode(ParameterNode):
         self._pipeline = parts.pipeline()
         self._reader = PortReader(self._link, self._pipeline, self.faults,
                                   live.requests.lock if live.requests else nullcontext())
-        self._topics = Topics(self, self._spec, settings)
+        serializer = Serializer()
+        self._topics = Topics(self, self._spec, settings, parts.converter.select, serializer)
         self._time_task = TimeTask(parts.clock, parts.health.stale)
         self._link_task = self._create_link_task()
         self._updater = self._create_updater(settings)
@@ -79,8 +82,9 @@ class DriverNode(ParameterNode):
         self._nvm_services = self._create_services()
         self._subscribe_to_pulses(parts.pulse_topic)
         self._create_timers()
-        for warning in (*node_settings.warnings(), *parts.warnings):
-            self._log.warning(warning)
+        for warning in (*node_settings.warnings(), *parts.warnings, serializer.warning()):
+            if warning:
+                self._log.warning(warning)
 
     @property
     def threads(self) -> Mapping[str, Callable[[], None]]:
@@ -187,6 +191,7 @@ class DriverNode(ParameterNode):
 
     def _publish_message(self, message: Message, stamp_ns: int) -> None:
         self._topics.publish(self._parts.converter.convert(message, stamp_ns))
+        self._topics.counters.converted += 1
 
     def _report(self) -> None:
         self._link_task.check_sharing(time.monotonic())
@@ -194,6 +199,7 @@ class DriverNode(ParameterNode):
 
     def _watch(self) -> None:
         """Report changes that need no data, and serve slow subscribers."""
+        self._topics.refresh()
         self._topics.supervise()
         self._diagnostics.report_change()
         # While the port is closed, its error is already in the log.
@@ -215,7 +221,7 @@ class DriverNode(ParameterNode):
                 'or the name of a topic') from error
 
     def _on_pulse_reference(self, message: TimeReference) -> None:
-        self._parts.clock.pulse_reference(ros.nanoseconds(message.header))
+        self._parts.clock.pulse_reference(nanoseconds(message.header))
 
     def _create_timers(self) -> None:
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -241,8 +247,7 @@ class DriverNode(ParameterNode):
             self._time_task,
             *parts.health.tasks,
             *self._live.tasks,
-            PublishingTask(self._topics.counts, parts.silence_timeout, spec.latched(),
-                           self.faults)]
+            PublishingTask(self._topics.counters, parts.silence_timeout, self.faults)]
         label = node_label(self.get_name(), self.get_namespace(),
                            settings.diagnostics.qualified_name)
         return Updater(tasks, label, self._link.name, faults=self.faults)

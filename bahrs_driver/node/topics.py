@@ -1,14 +1,21 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""The topics of a device, and the publishers of a node."""
+"""
+The topics of a device, and the publishers of a node.
 
-from collections.abc import Iterable
+Values are published as serialized messages, and only on topics that have a subscriber: refresh()
+finds out which ones those are. Latched topics are published in any case, for late subscribers.
+"""
+
+from collections.abc import Callable, Container, Iterable
 
 from bahrs_driver.convert import raw
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.spec import AnyDevice
+from bahrs_driver.diagnostics.publishing_task import PublishingCounters
 from bahrs_driver.node.latched_publisher import create_latched
 from bahrs_driver.node.subscriber_gate import SubscriberGate, Write
+from bahrs_driver.ros_layout.serializer import Serializer
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
@@ -19,9 +26,11 @@ QUEUE_DEPTH = 100               # half a second of the fastest topic
 
 
 class Topics:
-    """Publishes the messages of a device, and counts them by topic."""
+    """Publishes the values of a device, and counts them by topic."""
 
-    def __init__(self, node: Node, spec: AnyDevice, settings: CommonSettings) -> None:
+    def __init__(self, node: Node, spec: AnyDevice, settings: CommonSettings,
+                 select: Callable[[Container[str]], None], serializer: Serializer) -> None:
+        """Create the publishers; select is called with the topics in use when they change."""
         self._node = node
         self._gate = SubscriberGate(settings.startup.wait_for_subscribers)
         types = spec.topics()
@@ -29,9 +38,14 @@ class Topics:
                          for topic, kind in types.items() if topic in spec.latched()}
         self._data = {topic: self._latched.get(topic) or self.create_publisher(kind, topic)
                       for topic, kind in types.items()}
-        self.raw = self.create_publisher(UInt8MultiArray, raw.TOPIC) \
+        self._raw = self.create_publisher(UInt8MultiArray, raw.TOPIC) \
             if settings.publish.raw else None
-        self.counts = dict.fromkeys(types, 0)
+        self._select = select
+        self._serialize = serializer.serialize
+        self._in_use: frozenset[str] | None = None
+        self.raw: Publisher | None = None       # if it is set to be published, and in use
+        self.counters = PublishingCounters(dict.fromkeys(types, 0))
+        self.refresh()
 
     def create_publisher(self, kind: type, topic: str,
                          profile: QoSProfile | None = None) -> Publisher:
@@ -43,18 +57,32 @@ class Topics:
 
     def wait_for_subscribers(self, write_info: Write, write_warning: Write) -> None:
         """Wait until each topic has a subscriber if the settings say so."""
-        raw_data = {raw.TOPIC: self.raw} if self.raw else {}
+        raw_data = {raw.TOPIC: self._raw} if self._raw else {}
         self._gate.wait({**self._data, **raw_data}, write_info, write_warning)
+        self.refresh()
 
     def stop_waiting(self) -> None:
         """End wait_for_subscribers()."""
         self._gate.open()
 
+    def refresh(self) -> None:
+        """Find out which topics have subscribers; call it ten times a second."""
+        subscribed = {topic for topic, publisher in self._data.items()
+                      if publisher.get_subscription_count()}
+        self.raw = self._raw if self._raw and self._raw.get_subscription_count() else None
+        in_use = frozenset(subscribed.union(self._latched))
+        self.counters.in_use = subscribed
+        if in_use != self._in_use:
+            self._in_use = in_use
+            self._select(in_use)
+
     def publish(self, outgoing: Iterable[tuple[str, object]]) -> None:
-        """Publish messages on their topics."""
-        for topic, message in outgoing:
-            self._data[topic].publish(message)
-            self.counts[topic] += 1
+        """Publish values or message objects on their topics, if they are in use."""
+        in_use, counts = self._in_use or (), self.counters.messages
+        for topic, values in outgoing:
+            if topic in in_use:
+                self._data[topic].publish(self._serialize(values))
+                counts[topic] += 1
 
     def flush(self) -> None:
         """Publish latched messages that wait for an acknowledgement, if possible."""

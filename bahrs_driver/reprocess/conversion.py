@@ -17,6 +17,7 @@ from bahrs_driver.bag.log_clock import LogClock
 from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.clock import Clock
 from bahrs_driver.convert import raw
+from bahrs_driver.convert.outgoing import Outgoing
 from bahrs_driver.devices.parts import Parts
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.spec import AnyDevice
@@ -135,15 +136,16 @@ class _SecondPass:
         self._add_reports(self._diagnostics.reports_before(now))
         for message, _, stamp_ns in self.faults.messages(events):
             self._add(converter.convert(message, stamp_ns), stamp_ns - read.offset)
+            self._diagnostics.counters.converted += 1
             for topic, page in self._parts.service_messages(message):
                 self._output.add(now, topic, page)
         if disconnected:
             self._add(converter.end_stream(read.ros_ns), now)
         self._add_reports(self._diagnostics.update(chunk, read, events))
 
-    def _add(self, messages: Iterator[tuple[str, object]], log_ns: int) -> None:
+    def _add(self, messages: Outgoing, log_ns: int) -> None:
         for topic, message in messages:
-            self._diagnostics.counts[topic] += 1
+            self._diagnostics.counters.messages[topic] += 1
             self._output.add(log_ns, topic, message)
 
     def _add_reports(self, reports: Iterator[tuple[int, DiagnosticArray]]) -> None:

@@ -16,7 +16,7 @@ from bahrs_driver.devices.registry import recognize
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.spec import AnyDevice
 from bahrs_driver.diagnostics.framing_task import FramingTask
-from bahrs_driver.diagnostics.publishing_task import PublishingTask
+from bahrs_driver.diagnostics.publishing_task import PublishingCounters, PublishingTask
 from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.diagnostics.updater import Updater
 from bahrs_driver.pipeline import Event, Notice, PipelineCounters, Stamped
@@ -33,13 +33,12 @@ class ReplayDiagnostics:
 
     def __init__(self, spec: AnyDevice, parts: Parts, clock: Clock,
                  counters: PipelineCounters, settings: CommonSettings) -> None:
-        self.counts = dict.fromkeys(spec.topics(), 0)       # of messages, by topic
+        self.counters = PublishingCounters.of_topics(spec.topics())
         self._health = parts.health
         self._time_task = TimeTask(clock, parts.health.stale)
         self._now = self._due = self._offset = 0
         self._connection_id: int | None = None
-        self._publishing_task = PublishingTask(self.counts, parts.silence_timeout,
-                                               spec.latched())
+        self._publishing_task = PublishingTask(self.counters, parts.silence_timeout)
         self._updater = Updater(
             [FramingTask(counters, settings.baud_rate, spec.name, parts.protocol, recognize,
                          settings.diagnostics.damaged_share),

@@ -13,6 +13,7 @@ from bahrs_driver.bag.serialization import serialized, type_name
 from bahrs_driver.bag.topics import qos_profile, Topic
 from bahrs_driver.files.live_file import LiveFile
 from bahrs_driver.files.new_directory import make_directory
+from bahrs_driver.ros_layout.message_objects import to_message
 
 QUEUE_DEPTH = 100               # of the node's publishers
 
@@ -77,7 +78,8 @@ class CsvTopicWriter:
 
     def write(self, topic: str, time_ns: int, message: object) -> None:
         """Append a row with a message and its log time; WriteError if there is no room."""
-        self._writers[topic].writerow([time_ns, *(value for _, value in _flat('', message))])
+        fields = _flat('', to_message(message))
+        self._writers[topic].writerow([time_ns, *(value for _, value in fields)])
 
     def close(self) -> None:
         """Close the files."""

@@ -9,7 +9,7 @@ from bahrs_driver.devices.registry import recognize
 from bahrs_driver.diagnostics.framing_task import FramingTask
 from bahrs_driver.diagnostics.integrity_task import IntegrityTask
 from bahrs_driver.diagnostics.link_task import LinkTask
-from bahrs_driver.diagnostics.publishing_task import PublishingTask
+from bahrs_driver.diagnostics.publishing_task import PublishingCounters, PublishingTask
 from bahrs_driver.diagnostics.sharing_watch import ENOUGH_STOLEN
 from bahrs_driver.diagnostics.task import ERROR, OK, STALE, WARN
 from bahrs_driver.diagnostics.window import Window
@@ -204,21 +204,33 @@ def test_integrity_messages(signals, level, message):
 
 def test_publishing_becomes_stale():
     """Earlier messages do not count."""
-    counts = {'imu/data': 0, 'integrity': 0}
-    task = PublishingTask(counts, 1.0, ('integrity',))
-    counts['integrity'] = 1             # that there is no data
+    counters = PublishingCounters.of_topics(['imu/data', 'integrity'])
+    task = PublishingTask(counters, 1.0)
+    counters.messages['integrity'] = 1          # that there is no data
     assert summary_of(task, 0.0) == (STALE, 'Nothing published yet')
-    counts['imu/data'] = 40
+    counters.messages['imu/data'] = counters.converted = 40
     assert summary_of(task, 0.5) == (OK, 'Publishing')
     assert summary_of(task, 1.0).message == 'Publishing'
     assert summary_of(task, 3.0) == (STALE, 'Nothing published just now')
     assert values_of(task, 3.0)['imu/data'] == '40'
 
 
+def test_topics_without_subscriber_are_named():
+    """They are not published, which is no fault."""
+    counters = PublishingCounters({'imu/data': 0, 'heading': 0, 'sync_pulse': 0}, {'heading'}, 1)
+    task = PublishingTask(counters, 1.0)
+    assert summary_of(task, 0.5) == (OK, 'Publishing')
+    assert values_of(task, 0.5)['Without subscriber'] == 'imu/data, sync_pulse'
+    counters.in_use = ()
+    assert summary_of(task, 0.6) == (OK, 'No topic has a subscriber')
+    counters.in_use = {'imu/data', 'heading', 'sync_pulse'}
+    assert values_of(task, 0.7)['Without subscriber'] == 'none'
+
+
 def test_a_fault_of_the_driver_is_shown_for_a_while():
     """The count remains."""
     faults = FaultLog(str, str)
-    task = PublishingTask({'imu/data': 1}, 1.0, (), faults)
+    task = PublishingTask(PublishingCounters({'imu/data': 1}, {'imu/data'}, 1), 1.0, faults)
     assert summary_of(task, 0.0) == (OK, 'Publishing')
     faults.report('publishing imu/data', ValueError('no'))
     assert summary_of(task, 0.5) == (

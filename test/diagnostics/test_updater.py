@@ -68,6 +68,7 @@ def test_a_change_is_due_until_it_is_reported(clock, level, message):
     assert not updater.change_due()
     assert task.collected == 1, 'values are formatted for a report only'
     task.level, task.message = level, message
+    clock.now += 2 * MIN_INTERVAL
     assert updater.change_due()
     updater.statuses()
     clock.now += 1.0
@@ -82,9 +83,22 @@ def test_changed_numbers_are_not_due(clock):
     clock.now += 0.1
     for message in ('Lost just now: 4 inertial', 'Lost just now: 1,024 inertial'):
         task.message = message
+        clock.now += 0.1
         assert not updater.change_due()
     task.message = 'Lost just now: 4 inertial, 1 navigation'
+    clock.now += 0.1
     assert updater.change_due()
+
+
+def test_tasks_run_at_most_20_times_a_second(clock):
+    """However often the data asks, which can be 3,000 times."""
+    task = StubTask('Rates')
+    updater, runs = Updater([task], 'bahrs_driver', '', clock), []
+    task.run = lambda status: runs.append(status.now) or status
+    for _ in range(1000):
+        clock.now += 0.001
+        updater.change_due()
+    assert 18 <= len(runs) <= 21
 
 
 @given(st.lists(st.tuples(

@@ -14,6 +14,7 @@ from sensor_msgs.msg import Imu, NavSatFix
 from std_msgs.msg import Float64
 from support.emulated import emissions, make_device
 from support.processes import driver, listening, running, wait_for
+from support.ros_messages import as_messages
 from support.settings_examples import parts_of
 
 FASTER = 40
@@ -71,7 +72,7 @@ def test_topics_agree_with_the_truth(flown, convention):
             inertial = truth
         elif message.NAME == 'navigation':
             navigation = truth
-        for topic, out in converter.convert(message, 10 ** 9):
+        for topic, out in as_messages(converter.convert(message, 10 ** 9)):
             if topic == 'imu/data_raw':
                 note('force', worst_vector(out.linear_acceleration, inertial['specific_force'],
                                            FORCE, convention))

@@ -28,6 +28,7 @@ import pytest
 from support.devices import DIAGNOSTICS, status
 from support.polled import make_titan, PolledDevice
 from support.processes import driver, listening, running, wait_for
+from support.ros_messages import as_messages
 from support.settings_examples import parts_of
 
 START = (-0.04, 6.03)           # degrees; the flight crosses the equator and 6 degrees east
@@ -103,7 +104,8 @@ def test_a_whole_flight_across_the_equator_and_a_zone_border(payload, checksum, 
     for _, item in polled.received[:5]:         # odometry needs a fix before it
         list(parts.convert(item.message, item.stamp_ns))
     for (_, item), sent in zip(polled.received, polled.sent):
-        truth, ros = sent.emission.truth, dict(parts.convert(item.message, item.stamp_ns))
+        truth = sent.emission.truth
+        ros = dict(as_messages(parts.convert(item.message, item.stamp_ns)))
         # The middle of request and answer is off by half of what the device took.
         assert abs(item.stamp_ns - sent.emission.time * NS) < 0.5e6
         if 'fix' in ros:

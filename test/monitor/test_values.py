@@ -4,11 +4,12 @@
 
 import math
 
-from bahrs_driver.convert import ros
+from bahrs_driver.convert import values
 from bahrs_driver.convert.axes import CONVENTIONS, quaternion_from_euler
 from bahrs_driver.convert.covariance import UNKNOWN_VARIANCE
 from bahrs_driver.devices.registry import all_topics
 from bahrs_driver.monitor.values import attitude, FORMATS, number_text, vertical_force
+from bahrs_driver.ros_layout.message_objects import to_message
 import pytest
 
 ANGLES = [math.radians(angle) for angle in (10.0, 20.0, 30.0)]
@@ -18,8 +19,9 @@ SPREAD = (1e-4,) + (0.0,) * 8
 def imu(convention, force=(0.0, 0.0, -9.8)):
     """Return a message with roll 10, pitch 20 and heading 30 degrees."""
     axes = CONVENTIONS[convention]
-    return ros.imu(ros.header(0, 'imu_link'), axes.orientation(quaternion_from_euler(*ANGLES)),
-                   SPREAD, ros.NO_VECTOR, SPREAD, axes.body(force), SPREAD)
+    return to_message(values.imu(
+        0, 'imu_link', axes.orientation(quaternion_from_euler(*ANGLES)), SPREAD,
+        values.NO_VECTOR, SPREAD, axes.body(force), SPREAD))
 
 
 def test_attitude():
@@ -80,7 +82,7 @@ def test_nan_component():
 
 def test_velocity():
     """Components that are not measured are not shown."""
-    upward = ros.vertical_twist(ros.header(0, 'map'), 1.5, 0.2)
+    upward = to_message(values.vertical_twist(0, 'map', 1.5, 0.2))
     assert FORMATS['velocity'](upward) == 'z +1.50 m/s'
     upward.twist.covariance[0] = 0.04
     assert FORMATS['velocity'](upward) == 'x +0.00 y +0.00 z +1.50 m/s'

@@ -16,8 +16,10 @@ from bahrs_driver.protocol.bahrs.messages import (
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.reprocess.conversion import Conversion
+from bahrs_driver.ros_layout.message_objects import to_message
 from hypothesis import example, given, settings, strategies as st
 import pytest
+from support.ros_messages import as_messages
 from support.settings_examples import settings_of
 
 S = 1_000_000_000
@@ -109,7 +111,7 @@ def live(sizes):
     published = []
     for data, raw in chunks(sizes):
         for message, _, stamp_ns in pipeline.feed(data, Instant(raw, ORIGIN + raw)):
-            published += sensor.converter.convert(message, stamp_ns)
+            published += as_messages(sensor.converter.convert(message, stamp_ns))
     return [(topic, plain(message)) for topic, message in published]
 
 
@@ -140,7 +142,7 @@ class ByTopic:
     def write(self, topic, time_ns, message):
         """Store a message."""
         if topic not in ('raw', '/diagnostics'):        # they are about reads
-            self.messages[topic].append(plain(message))
+            self.messages[topic].append(plain(to_message(message)))
 
 
 def converted(path, sizes):
@@ -176,8 +178,8 @@ def test_each_message_is_converted_as_if_alone(whole):
     """Published messages are those of each message of the device, in their order."""
     sensor = DEVICES['bahrs'].parts(SETTINGS)
     alone = [(topic, plain(message)) for _, sent in messages(3)
-             for topic, message in sensor.converter.convert(
-                 as_received(sent), ORIGIN)]
+             for topic, message in as_messages(sensor.converter.convert(
+                 as_received(sent), ORIGIN))]
     # The first time messages may come before their time can be known.
     assert [pair for pair in whole if pair[0] != 'time_reference'] == [
         pair for pair in alone if pair[0] != 'time_reference']

@@ -10,13 +10,13 @@ for the Imu messages, in which a whole quantity is marked as not reported (REP-1
 component is NaN.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
 import math
 from typing import NamedTuple
 
 from bahrs_driver.clock.navigation import NavigationCounter
-from bahrs_driver.convert import atmosphere, covariance, ros
+from bahrs_driver.convert import atmosphere, covariance, values
 from bahrs_driver.convert.axes import (
     Convention, NO_ROTATION, Quaternion, quaternion_from_euler, same_sign,
 )
@@ -28,13 +28,14 @@ from bahrs_driver.convert.bahrs.integrity_policy import (
 from bahrs_driver.convert.bahrs.orientation_accuracy import OrientationAccuracy
 from bahrs_driver.convert.completeness import without_incomplete
 from bahrs_driver.convert.covariance import Matrix
+from bahrs_driver.convert.outgoing import ALL_TOPICS, Outgoing
 from bahrs_driver.protocol.bahrs.messages import (
     Accuracy, Inertial, InertialTime, Navigation, SyncPulseTime,
 )
 from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.protocol.layout import Vector
-from bahrs_driver.units import ROS_TIME_END_S, US_PER_S
+from bahrs_driver.units import NS_PER_US, ROS_TIME_END_S, US_PER_S
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
 from sensor_msgs.msg import FluidPressure, Imu, MagneticField, NavSatFix, TimeReference
@@ -59,8 +60,6 @@ LATCHED = {'integrity'}
 TIME_SOURCE = 'bahrs'
 MAX_STAMP_DIFFERENCE = 500_000_000      # ns of a message after its inertial sample
 LONGEST_TIME_US = ROS_TIME_END_S * US_PER_S
-
-Outgoing = Iterator[tuple[str, object]]
 
 
 @dataclass(frozen=True)
@@ -94,10 +93,11 @@ class _Sample(NamedTuple):
 
 
 class BahrsConverter:
-    """Converts the stream of device messages to (topic, ROS message) pairs."""
+    """Converts the stream of device messages to topics and their values."""
 
     def __init__(self, options: BahrsOptions) -> None:
         self._options = options
+        self._topics: Container[str] = ALL_TOPICS
         self._accuracy = OrientationAccuracy(
             options.convention, options.declination, options.orientation_fallback)
         self._notice = IntegrityNotice(Inertial.SIGNALS + Navigation.SIGNALS)
@@ -110,6 +110,10 @@ class BahrsConverter:
     def signals(self) -> Mapping[str, Integrity | None]:
         """Present integrity of each signal; None if none was received."""
         return self._notice.signals
+
+    def select(self, topics: Container[str]) -> None:
+        """Convert only for these topics from now on; notices of integrity are never left out."""
+        self._topics = topics
 
     def end_stream(self, stamp_ns: int) -> Outgoing:
         """Forget the stream; return the notice that no signal is known, at the present time."""
@@ -135,23 +139,27 @@ class BahrsConverter:
 
     def _forget(self) -> None:
         self._pairing = NavigationCounter(ROLES.samples_per_navigation, prior=0)
-        self._latest: tuple[int, _Sample] | None = None     # sequence number, sample
+        self._latest: tuple[Inertial, int] | None = None    # inertial message, stamp
         self._accuracy.reset()
         self._orientation = NO_ROTATION
         self._navigation_stamp = 0
 
     def _inertial(self, message: Inertial, stamp_ns: int) -> Outgoing:
+        self._latest = message, stamp_ns
         yield from self._changes(message, stamp_ns)
+        if 'imu/data_raw' in self._topics:
+            yield 'imu/data_raw', self._imu(
+                self._sample(message, stamp_ns), None, covariance.NOT_REPORTED)
+
+    def _sample(self, message: Inertial, stamp_ns: int) -> _Sample:
         options = self._options
         factors = options.integrity_policy.variance_factors(message.health)
-        sample = _Sample(
+        return _Sample(
             stamp_ns,
             options.convention.body(mask_unavailable(message.specific_force, factors[:3])),
             covariance.of_vector(factors[:3], options.force_stddev),
             options.convention.body(mask_unavailable(message.angular_rate, factors[3:])),
             covariance.of_vector(factors[3:], options.rate_stddev))
-        self._latest = message.sequence, sample
-        yield 'imu/data_raw', self._imu(sample, None, covariance.NOT_REPORTED)
 
     def _time(self, message: InertialTime, stamp_ns: int) -> Outgoing:
         if message.valid:
@@ -162,8 +170,8 @@ class BahrsConverter:
 
     def _reference(self, topic: str, device_time_us: int, stamp_ns: int) -> Outgoing:
         if device_time_us < LONGEST_TIME_US:
-            yield topic, ros.time_reference(ros.header(stamp_ns, self._options.frame_id),
-                                            device_time_us, TIME_SOURCE)
+            yield topic, values.TimeReference(
+                stamp_ns, self._options.frame_id, device_time_us * NS_PER_US, TIME_SOURCE)
 
     def _store_accuracy(self, message: Accuracy, _stamp_ns: int) -> Outgoing:
         self._accuracy.update(message)
@@ -171,40 +179,47 @@ class BahrsConverter:
 
     def _navigation(self, message: Navigation, stamp_ns: int) -> Outgoing:
         self._accuracy.count_navigation()
-        sample = self._sample_of(message, stamp_ns)
-        yield from self._changes(message, sample.stamp_ns)
+        inertial, stamp_ns = self._sample_of(message, stamp_ns)
+        yield from self._changes(message, stamp_ns)
         height_factor, velocity_factor, roll_factor, pitch_factor, heading_factor = \
             self._options.integrity_policy.variance_factors(message.health)
         if height_factor is not None:
-            yield from self._height(message.pressure_height, height_factor, sample.stamp_ns)
-        if velocity_factor is not None:
-            yield from self._velocity(message.velocity_down, velocity_factor, sample.stamp_ns)
+            yield from self._height(message.pressure_height, height_factor, stamp_ns)
+        if velocity_factor is not None and 'velocity' in self._topics:
+            yield 'velocity', self._velocity(message.velocity_down, velocity_factor, stamp_ns)
         tilt_factor = None if roll_factor is None or pitch_factor is None \
             else max(roll_factor, pitch_factor)
-        yield from self._attitude(message, sample, tilt_factor, heading_factor)
-        if tilt_factor is not None and heading_factor is not None and self._options.publish_field:
-            yield from self._field(message, max(tilt_factor, heading_factor), sample.stamp_ns)
-        yield 'heading', ros.number(
-            math.nan if heading_factor is None
-            else math.degrees(message.magnetic_heading) % 360.0)
+        orientation = self._attitude(message, tilt_factor, heading_factor)
+        if 'imu/data' in self._topics:
+            sample = self._sample(inertial, stamp_ns) if inertial else _no_sample(stamp_ns)
+            yield 'imu/data', self._imu(sample, *orientation)
+        if tilt_factor is not None and heading_factor is not None \
+                and self._options.publish_field and 'imu/mag' in self._topics:
+            yield 'imu/mag', self._field(message, max(tilt_factor, heading_factor), stamp_ns)
+        if 'heading' in self._topics:
+            yield 'heading', values.Float64(
+                math.nan if heading_factor is None
+                else math.degrees(message.magnetic_heading) % 360.0)
 
-    def _sample_of(self, message: Navigation, stamp_ns: int) -> _Sample:
-        """Return the inertial sample of a navigation message, or one without values."""
-        sample = self._paired(message.sequence)
-        if sample is None or stamp_ns - sample.stamp_ns > MAX_STAMP_DIFFERENCE:
-            sample = _no_sample(stamp_ns)
-        elif sample.stamp_ns == self._navigation_stamp:     # a repeated frame
-            sample = sample._replace(stamp_ns=stamp_ns)
-        self._navigation_stamp = sample.stamp_ns
-        return sample
+    def _sample_of(self, message: Navigation, stamp_ns: int) -> tuple[Inertial | None, int]:
+        """Return the inertial message of a navigation message, if known, and their stamp."""
+        paired = self._paired(message.sequence)
+        if paired is None or stamp_ns - paired[1] > MAX_STAMP_DIFFERENCE:
+            inertial = None
+        else:
+            inertial, sampled_ns = paired
+            if sampled_ns != self._navigation_stamp:        # not a repeated frame
+                stamp_ns = sampled_ns
+        self._navigation_stamp = stamp_ns
+        return inertial, stamp_ns
 
-    def _paired(self, navigation: int) -> _Sample | None:
+    def _paired(self, navigation: int) -> tuple[Inertial, int] | None:
         """Return the latest sample if a navigation message was computed from it."""
         if self._latest is None:
             return None
-        sequence, sample = self._latest
+        sequence = self._latest[0].sequence
         self._pairing.pair(navigation, sequence)
-        return sample if self._pairing.matches(navigation, sequence) else None
+        return self._latest if self._pairing.matches(navigation, sequence) else None
 
     def _changes(self, message: Inertial | Navigation, stamp_ns: int) -> Outgoing:
         notice = self._notice.update(message.SIGNALS, message.health, stamp_ns,
@@ -213,49 +228,52 @@ class BahrsConverter:
             yield 'integrity', notice
 
     def _height(self, height: float, factor: float, stamp_ns: int) -> Outgoing:
-        options = self._options
+        options, topics = self._options, self._topics
         deviation = options.height_stddev * math.sqrt(factor)
-        here = ros.header(stamp_ns, options.frame_id)
-        world = ros.header(stamp_ns, options.world_frame_id)
-        _, _, z = options.convention.world((0.0, 0.0, -height))
-        yield 'static_pressure', ros.fluid_pressure(
-            here, atmosphere.pressure(height), atmosphere.pressure_gradient(height) * deviation)
-        yield 'pressure_altitude', ros.altitude_fix(here, height, deviation)
-        yield 'altitude/pose', ros.height_pose(world, z, deviation)
+        if 'static_pressure' in topics:
+            pressure_deviation = atmosphere.pressure_gradient(height) * deviation
+            yield 'static_pressure', values.FluidPressure(
+                stamp_ns, options.frame_id, atmosphere.pressure(height), pressure_deviation ** 2)
+        if 'pressure_altitude' in topics:
+            yield 'pressure_altitude', values.altitude_fix(
+                stamp_ns, options.frame_id, height, deviation)
+        if 'altitude/pose' in topics:
+            _, _, z = options.convention.world((0.0, 0.0, -height))
+            yield 'altitude/pose', values.height_pose(
+                stamp_ns, options.world_frame_id, z, deviation)
 
-    def _velocity(self, velocity_down: float, factor: float, stamp_ns: int) -> Outgoing:
+    def _velocity(self, velocity_down: float, factor: float,
+                  stamp_ns: int) -> values.TwistWithCovarianceStamped:
         options = self._options
         _, _, z = options.convention.world((0.0, 0.0, velocity_down))
-        yield 'velocity', ros.vertical_twist(ros.header(stamp_ns, options.world_frame_id), z,
-                                             options.velocity_stddev * math.sqrt(factor))
+        return values.vertical_twist(stamp_ns, options.world_frame_id, z,
+                                     options.velocity_stddev * math.sqrt(factor))
 
-    def _attitude(self, message: Navigation, sample: _Sample, tilt_factor: VarianceFactor,
-                  heading_factor: VarianceFactor) -> Outgoing:
+    def _attitude(self, message: Navigation, tilt_factor: VarianceFactor,
+                  heading_factor: VarianceFactor) -> tuple[Quaternion | None, Matrix]:
+        """Return the orientation with the sign that is nearest to the last, and its covariance."""
         if tilt_factor is None:
-            yield 'imu/data', self._imu(sample, None, covariance.NOT_REPORTED)
-            return
+            return None, covariance.NOT_REPORTED
         yaw = 0.0 if heading_factor is None \
             else message.magnetic_heading + self._options.declination
         rotation = quaternion_from_euler(message.roll, message.pitch, yaw)
         self._orientation = same_sign(self._options.convention.orientation(rotation),
                                       self._orientation)
-        yield 'imu/data', self._imu(sample, self._orientation,
-                                    self._accuracy.matrix(tilt_factor, heading_factor))
+        return self._orientation, self._accuracy.matrix(tilt_factor, heading_factor)
 
-    def _field(self, message: Navigation, factor: float, stamp_ns: int) -> Outgoing:
+    def _field(self, message: Navigation, factor: float, stamp_ns: int) -> values.MagneticField:
         options, accuracy = self._options, self._accuracy
         field, spread = magnetic.derived_field(
             message.roll, message.pitch, message.magnetic_heading, accuracy.heading(factor),
             options.field_strength, options.field_dip, options.convention, accuracy.north(factor))
-        yield 'imu/mag', ros.magnetic_field(
-            ros.header(stamp_ns, options.frame_id), field, spread)
+        return values.MagneticField(stamp_ns, options.frame_id, field, spread)
 
-    def _imu(self, sample: _Sample, orientation: Quaternion | None, spread: Matrix) -> Imu:
-        head = ros.header(sample.stamp_ns, self._options.frame_id)
-        return ros.imu(head, orientation, spread, sample.rate, sample.rate_covariance,
-                       sample.force, sample.force_covariance)
+    def _imu(self, sample: _Sample, orientation: Quaternion | None, spread: Matrix) -> values.Imu:
+        return values.imu(
+            sample.stamp_ns, self._options.frame_id, orientation, spread, sample.rate,
+            sample.rate_covariance, sample.force, sample.force_covariance)
 
 
 def _no_sample(stamp_ns: int) -> _Sample:
-    return _Sample(stamp_ns, ros.NO_VECTOR, covariance.NOT_REPORTED,
-                   ros.NO_VECTOR, covariance.NOT_REPORTED)
+    return _Sample(stamp_ns, values.NO_VECTOR, covariance.NOT_REPORTED,
+                   values.NO_VECTOR, covariance.NOT_REPORTED)

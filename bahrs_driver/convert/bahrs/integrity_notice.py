@@ -9,7 +9,7 @@ all of them together give the integrity of every sample in a bag.
 
 from collections.abc import Sequence
 
-from bahrs_driver.convert import ros
+from bahrs_driver.convert.header import make_header
 from bahrs_driver.protocol.integrity import Health, Integrity
 from bahrs_driver.units import NS_PER_S
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -67,7 +67,7 @@ class IntegrityNotice:
         if stamp_ns > self._published - SET_BACK:
             stamp_ns = max(stamp_ns, self._published)
         self._published = stamp_ns
-        return DiagnosticArray(header=ros.header(stamp_ns, frame_id), status=[
+        return DiagnosticArray(header=make_header(stamp_ns, frame_id), status=[
             _status(name, integrity) for name, integrity in self.signals.items()])
 
 

@@ -7,12 +7,12 @@ The factor of a safe signal is 1, and an unavailable signal has none (None). For
 integrity risk the user decides: it is published with a larger variance, withheld, or passed on.
 """
 
-from collections.abc import Iterable
+from functools import lru_cache
 import math
 from typing import Literal
 
 from bahrs_driver.convert.covariance import UNKNOWN_VARIANCE
-from bahrs_driver.protocol.integrity import Health, Integrity
+from bahrs_driver.protocol.integrity import Health, Integrity, REMEMBERED
 from bahrs_driver.protocol.layout import Vector
 
 UNKNOWN_STDDEV = math.sqrt(UNKNOWN_VARIANCE)
@@ -28,14 +28,17 @@ class IntegrityPolicy:
         self._factors: dict[Integrity, VarianceFactor] = {
             Integrity.SAFE: 1.0, Integrity.INTEGRITY_RISK: at_risk[policy],
             Integrity.UNAVAILABLE: None, Integrity.RESERVED: None}
+        self.variance_factors = lru_cache(maxsize=REMEMBERED)(self._variance_factors)
 
-    def variance_factors(self, health: Health) -> list[VarianceFactor]:
+    def _variance_factors(self, health: Health) -> tuple[VarianceFactor, ...]:
         """Return the variance factor of each signal."""
-        return [self._factors[integrity] for integrity in health]
+        return tuple(self._factors[integrity] for integrity in health)
 
 
-def mask_unavailable(vector: Vector, factors: Iterable[VarianceFactor]) -> Vector:
+def mask_unavailable(vector: Vector, factors: tuple[VarianceFactor, ...]) -> Vector:
     """Return the vector with NaN in place of components without a variance factor."""
+    if None not in factors:
+        return vector
     x, y, z = (math.nan if factor is None else component
                for component, factor in zip(vector, factors))
     return x, y, z

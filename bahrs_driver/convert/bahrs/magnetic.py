@@ -15,19 +15,16 @@ from bahrs_driver.convert import covariance
 from bahrs_driver.convert.axes import Convention
 from bahrs_driver.convert.covariance import Matrix
 from bahrs_driver.protocol.layout import Vector
-import numpy as np
-from numpy.typing import NDArray
 
 
-def rotation_to_body(roll: float, pitch: float, heading: float) -> NDArray[np.float64]:
-    """Return the rotation matrix from north, east, down to forward, right, down (radians)."""
+def north_east_down(roll: float, pitch: float, heading: float) -> tuple[Vector, Vector, Vector]:
+    """Return the directions north, east and down in forward, right, down (angles in radians)."""
     cr, sr = math.cos(roll), math.sin(roll)
     cp, sp = math.cos(pitch), math.sin(pitch)
     ch, sh = math.cos(heading), math.sin(heading)
-    return np.array([
-        [cp * ch, cp * sh, -sp],
-        [sr * sp * ch - cr * sh, sr * sp * sh + cr * ch, sr * cp],
-        [cr * sp * ch + sr * sh, cr * sp * sh - sr * ch, cr * cp]])
+    return ((cp * ch, sr * sp * ch - cr * sh, cr * sp * ch + sr * sh),
+            (cp * sh, sr * sp * sh + cr * ch, cr * sp * sh - sr * ch),
+            (-sp, sr * cp, cr * cp))
 
 
 def derived_field(roll: float, pitch: float, heading: float, heading_std: float | None,
@@ -41,19 +38,23 @@ def derived_field(roll: float, pitch: float, heading: float, heading_std: float 
     standard deviation is the whole strength. Without a standard deviation of the heading the
     covariance is unknown.
     """
-    to_body = rotation_to_body(roll, pitch, heading)
+    north, east, down = north_east_down(roll, pitch, heading)
     horizontal, vertical = strength * math.cos(dip), strength * math.sin(dip)
-    field = convention.body(_vector(to_body @ (horizontal, 0.0, vertical)))
+    x, y, z = (horizontal * n + vertical * d for n, d in zip(north, down))
+    field = convention.body((x, y, z))
     if heading_std is None:
         return field, covariance.UNKNOWN
-    to_published = np.array([convention.body(_vector(column)) for column in to_body.T]).T
     across = math.hypot(horizontal * heading_std,
                         vertical * (1.0 if north_std is None else north_std))
-    variances = np.diag([strength ** 2, across ** 2, strength ** 2])
-    matrix = to_published @ variances @ to_published.T
-    return field, tuple(float(element) for element in matrix.flat)
+    return field, _open_but_along(convention.body(east), strength, across)
 
 
-def _vector(array: NDArray[np.float64]) -> Vector:
-    x, y, z = array
-    return float(x), float(y), float(z)
+def _open_but_along(direction: Vector, stddev: float, stddev_along: float) -> Matrix:
+    """Return a covariance that is the same in all directions but one."""
+    variance = stddev ** 2
+    x, y, z = direction
+    difference = stddev_along ** 2 - variance
+    xy, xz, yz = difference * x * y, difference * x * z, difference * y * z
+    return (variance + difference * x * x, xy, xz,
+            xy, variance + difference * y * y, yz,
+            xz, yz, variance + difference * z * z)

@@ -11,17 +11,18 @@ The document defines velocity north and east and heading, and uses UTM only for 
 they refer to true north, without the convergence of the grid.
 """
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Container
 from dataclasses import dataclass
 import math
 from typing import NamedTuple
 
-from bahrs_driver.convert import covariance, ros
+from bahrs_driver.convert import covariance, values
 from bahrs_driver.convert.axes import (
     Convention, NO_ROTATION, Quaternion, quaternion_from_euler, rotate_to_body, same_sign,
 )
 from bahrs_driver.convert.completeness import without_incomplete
 from bahrs_driver.convert.covariance import Matrix
+from bahrs_driver.convert.outgoing import ALL_TOPICS, Outgoing
 from bahrs_driver.convert.titan_m.gps_status import GpsStatus
 from bahrs_driver.convert.titan_m.gps_time import GpsTime
 from bahrs_driver.convert.utm import load_pyproj, to_wgs84
@@ -29,6 +30,7 @@ from bahrs_driver.protocol.layout import Vector
 from bahrs_driver.protocol.titan_m.messages import (
     ADC_FORCE, ADC_RATE_DEG, Gps, Sensors, State, TitanAnswer,
 )
+from bahrs_driver.units import NS_PER_US
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import (
@@ -56,8 +58,6 @@ TOGETHER_NS = 25_000_000        # between sensor and state answer that form one 
 TIME_SOURCE = 'gps'
 ADC_RATE = math.radians(ADC_RATE_DEG)   # rad/s
 ROUNDING = math.sqrt(1 / 12)            # standard deviation of a rounding error, in quanta
-
-Outgoing = Iterator[tuple[str, object]]
 
 
 @dataclass(frozen=True)
@@ -103,11 +103,12 @@ class _Sample(NamedTuple):
 
 
 class TitanConverter:
-    """Converts answers to (topic, ROS message) pairs."""
+    """Converts answers to topics and their values."""
 
     def __init__(self, options: TitanOptions) -> None:
         load_pyproj()
         self._options = options
+        self._topics: Container[str] = ALL_TOPICS
         self._gps_time = GpsTime(options.gps_week, options.leap_seconds)
         self._handlers: dict[type, Callable[..., Outgoing]] = {
             State: self._state, Gps: self._gps, Sensors: self._sensors}
@@ -118,6 +119,10 @@ class TitanConverter:
         self._raw_covariances = (_diagonal(math.hypot(deviations.force, ADC_FORCE * ROUNDING)),
                                  _diagonal(math.hypot(deviations.rate, ADC_RATE * ROUNDING)))
         self._forget()
+
+    def select(self, topics: Container[str]) -> None:
+        """Return values only for these topics from now on."""
+        self._topics = topics
 
     def end_stream(self, _stamp_ns: int) -> Outgoing:
         """Forget the stream; no message reports its end."""
@@ -134,8 +139,11 @@ class TitanConverter:
 
         stamp_ns is the answer's time in nanoseconds since the epoch.
         """
-        outgoing = self._convert(message, stamp_ns)
+        outgoing = self._selected(self._convert(message, stamp_ns))
         return without_incomplete(outgoing) if self._options.withhold_incomplete else outgoing
+
+    def _selected(self, outgoing: Outgoing) -> Outgoing:
+        return (pair for pair in outgoing if pair[0] in self._topics)
 
     def _convert(self, message: object, stamp_ns: int) -> Outgoing:
         handler = self._handlers.get(type(message))
@@ -173,8 +181,7 @@ class TitanConverter:
 
     def _sensors(self, message: Sensors, stamp_ns: int) -> Outgoing:
         options, deviations = self._options, self._options.deviations
-        head = ros.header(stamp_ns, options.frame_id)
-        body = options.convention.body
+        frame_id, body = options.frame_id, options.convention.body
         x, y, z = message.adc_angular_rate_deg
         yield 'imu/data_raw', self._imu(
             stamp_ns, None, body(message.adc_acceleration),
@@ -182,15 +189,17 @@ class TitanConverter:
         self._sample = _Sample(stamp_ns, body(_numbers(message.acceleration)),
                                body(_numbers(message.angular_rate)))
         if any(message.magnetic_field_tesla):
-            yield 'imu/mag', ros.magnetic_field(
-                head, body(message.magnetic_field_tesla),
+            yield 'imu/mag', values.MagneticField(
+                stamp_ns, frame_id, body(message.magnetic_field_tesla),
                 covariance.diagonal((deviations.field ** 2,) * 3))
         if message.absolute_pressure:
-            yield 'static_pressure', ros.fluid_pressure(
-                head, message.absolute_pressure, deviations.static_pressure)
-        yield 'differential_pressure', ros.fluid_pressure(
-            head, message.differential_pressure, deviations.differential_pressure)
-        yield 'temperature', ros.temperature(head, message.temperature_c, deviations.temperature)
+            yield 'static_pressure', values.FluidPressure(
+                stamp_ns, frame_id, message.absolute_pressure, deviations.static_pressure ** 2)
+        yield 'differential_pressure', values.FluidPressure(
+            stamp_ns, frame_id, message.differential_pressure,
+            deviations.differential_pressure ** 2)
+        yield 'temperature', values.Temperature(
+            stamp_ns, frame_id, message.temperature_c, deviations.temperature ** 2)
 
     def _state(self, message: State, stamp_ns: int) -> Outgoing:
         options = self._options
@@ -200,7 +209,7 @@ class TitanConverter:
         if rotation:
             self._orientation = same_sign(options.convention.orientation(rotation),
                                           self._orientation)
-        force = rate = ros.NO_VECTOR
+        force = rate = values.NO_VECTOR
         if self._sample and abs(stamp_ns - self._sample.stamp_ns) <= TOGETHER_NS:
             _, force, rate = self._sample
         yield 'imu/data', self._imu(
@@ -210,15 +219,15 @@ class TitanConverter:
         if rotation and _finite(message.position_ned + message.velocity_ned) \
                 and (self._had_fix or not self._expects(Gps, stamp_ns)):
             yield 'odometry', self._odometry(message, rotation, stamp_ns)
-        yield 'heading', ros.number(math.degrees(heading) % 360.0 if rotation else math.nan)
+        yield 'heading', values.Float64(
+            math.degrees(heading) % 360.0 if rotation else math.nan)
 
     def _gps(self, message: Gps, stamp_ns: int) -> Outgoing:
         options = self._options
         position = to_wgs84(message.easting, message.northing, message.zone, message.northern)
-        head = ros.header(stamp_ns, options.frame_id)
-        yield 'fix', ros.position_fix(
-            head, position, message.altitude + options.geoid_height, options.deviations.position,
-            options.deviations.altitude)
+        yield 'fix', values.position_fix(
+            stamp_ns, options.frame_id, position, message.altitude + options.geoid_height,
+            options.deviations.position, options.deviations.altitude)
         if position:
             self._had_fix = True
             if not self._expects(State, stamp_ns):
@@ -227,40 +236,40 @@ class TitanConverter:
         # A time of 0 is unknown, and cannot be compared with the GPS week.
         time = self._gps_time.utc_us(message.gps_time_s, stamp_ns) if message.gps_time_s else None
         if time is not None:
-            yield 'time_reference', ros.time_reference(head, time, TIME_SOURCE)
+            yield 'time_reference', values.TimeReference(
+                stamp_ns, options.frame_id, time * NS_PER_US, TIME_SOURCE)
 
-    def _twist(self, velocity: Vector, stamp_ns: int) -> TwistWithCovarianceStamped:
+    def _twist(self, velocity: Vector, stamp_ns: int) -> values.TwistWithCovarianceStamped:
         options = self._options
-        return ros.twist(ros.header(stamp_ns, options.world_frame_id),
-                         options.convention.world(velocity), options.deviations.velocity)
+        return values.twist(stamp_ns, options.world_frame_id,
+                            options.convention.world(velocity), options.deviations.velocity)
 
-    def _odometry(self, message: State, rotation: Quaternion, stamp_ns: int) -> Odometry:
+    def _odometry(self, message: State, rotation: Quaternion, stamp_ns: int) -> values.Odometry:
         options, deviations = self._options, self._options.deviations
-        orientation = [self._orientation_covariance[i] for i in (0, 4, 8)]
+        c = self._orientation_covariance
         rate = (deviations.rate ** 2 if _finite(message.angular_rate)
                 else covariance.UNKNOWN_VARIANCE)
         position = (deviations.position ** 2, deviations.position ** 2, deviations.altitude ** 2)
-        return ros.odometry(
-            ros.header(stamp_ns, options.world_frame_id), options.frame_id,
+        return values.odometry(
+            stamp_ns, options.world_frame_id, options.frame_id,
             options.convention.world(message.position_ned),
             self._orientation,
-            covariance.of_pairs(position, orientation),
+            covariance.of_pairs(position, (c[0], c[4], c[8])),
             options.convention.body(rotate_to_body(message.velocity_ned, rotation)),
             options.convention.body(_numbers(message.angular_rate)),
             covariance.of_pairs((deviations.velocity ** 2,) * 3, (rate,) * 3))
 
     def _imu(self, stamp_ns: int, orientation: Quaternion | None, force: Vector, rate: Vector,
-             covariances: tuple[Matrix, Matrix]) -> Imu:
+             covariances: tuple[Matrix, Matrix]) -> values.Imu:
         options = self._options
         force_covariance, rate_covariance = covariances
-        return ros.imu(
-            ros.header(stamp_ns, options.frame_id),
-            orientation, self._orientation_covariance,
+        return values.imu(
+            stamp_ns, options.frame_id, orientation, self._orientation_covariance,
             rate, _known(rate, rate_covariance), force, _known(force, force_covariance))
 
 
-def _finite(values: tuple[float, ...]) -> bool:
-    return all(map(math.isfinite, values))
+def _finite(numbers: tuple[float, ...]) -> bool:
+    return all(map(math.isfinite, numbers))
 
 
 def _numbers(vector: Vector) -> Vector:
@@ -273,5 +282,5 @@ def _diagonal(stddev: float) -> Matrix:
     return covariance.of_vector((1.0,) * 3, stddev)
 
 
-def _known(values: Vector, matrix: Matrix) -> Matrix:
-    return matrix if _finite(values) else covariance.NOT_REPORTED
+def _known(vector: Vector, matrix: Matrix) -> Matrix:
+    return matrix if _finite(vector) else covariance.NOT_REPORTED

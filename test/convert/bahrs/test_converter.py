@@ -12,6 +12,7 @@ from bahrs_driver.protocol.bahrs.messages import InertialTime, SoftwareVersion, 
 from bahrs_driver.protocol.integrity import Integrity
 import pytest
 from support.device_examples import ACCURACY, BAHRS_OPTIONS as OPTIONS, INERTIAL, NAVIGATION
+from support.ros_messages import as_messages
 
 SAFE, RISK = Integrity.SAFE, Integrity.INTEGRITY_RISK
 GONE, RESERVED = Integrity.UNAVAILABLE, Integrity.RESERVED
@@ -23,7 +24,7 @@ def published(*messages, **options):
     """Return the ROS messages of the last message, by topic."""
     converter = BahrsConverter(replace(OPTIONS, **options))
     for index, message in enumerate(messages):
-        outgoing = dict(converter.convert(message, STAMP + index))
+        outgoing = dict(as_messages(converter.convert(message, STAMP + index)))
     return outgoing
 
 
@@ -50,7 +51,7 @@ def test_every_message_has_the_type_of_its_topic():
     converter, seen = BahrsConverter(OPTIONS), {}
     for message in (ACCURACY, INERTIAL, NAVIGATION, InertialTime(0, 1, 600_000),
                     SyncPulseTime(0, 601_000)):
-        seen.update(converter.convert(message, STAMP))
+        seen.update(as_messages(converter.convert(message, STAMP)))
     assert {topic: type(message) for topic, message in seen.items()} == TOPICS
 
 
@@ -202,15 +203,16 @@ def states(notice):
 def test_integrity_is_published_when_it_changes_with_the_stamp_of_the_sample():
     """It is not published otherwise; every notice has all signals."""
     converter = BahrsConverter(OPTIONS)
-    first = dict(converter.convert(INERTIAL, 1000))['integrity']
+    first = dict(as_messages(converter.convert(INERTIAL, 1000)))['integrity']
     assert states(first)['specific_force_x'] == (b'\x00', 'safe')
     assert states(first)['roll'] == (b'\x03', 'not_heard')
-    assert 'integrity' not in dict(converter.convert(INERTIAL, 2000))
+    assert 'integrity' not in dict(as_messages(converter.convert(INERTIAL, 2000)))
     change = with_health(INERTIAL, angular_rate_z=RISK)
-    out = dict(converter.convert(change, 3000))
+    out = dict(as_messages(converter.convert(change, 3000)))
     assert states(out['integrity'])['angular_rate_z'] == (b'\x01', 'integrity_risk')
     assert out['integrity'].header == out['imu/data_raw'].header
-    out = dict(converter.convert(with_health(NAVIGATION, roll=GONE, pitch=RESERVED), 3500))
+    change = with_health(NAVIGATION, roll=GONE, pitch=RESERVED)
+    out = dict(as_messages(converter.convert(change, 3500)))
     assert states(out['integrity'])['roll'] == (b'\x02', 'unavailable')
     assert states(out['integrity'])['pitch'] == (b'\x02', 'reserved')
     assert states(out['integrity'])['angular_rate_z'] == (b'\x01', 'integrity_risk')
@@ -225,7 +227,7 @@ def test_integrity_is_unknown_after_a_lost_stream():
     list(converter.convert(INERTIAL, 1000))
     notice = dict(converter.end_stream(5000))['integrity']
     assert set(states(notice).values()) == {(b'\x03', 'not_heard')}
-    assert 'integrity' in dict(converter.convert(INERTIAL, 6000))
+    assert 'integrity' in dict(as_messages(converter.convert(INERTIAL, 6000)))
 
 
 @pytest.mark.parametrize('signal, topics', [
@@ -275,9 +277,9 @@ def test_accuracy_expires():
     converter = BahrsConverter(OPTIONS)
     list(converter.convert(ACCURACY, STAMP))
     for _ in range(100):
-        out = dict(converter.convert(NAVIGATION, STAMP))
+        out = dict(as_messages(converter.convert(NAVIGATION, STAMP)))
     assert out['imu/data'].orientation_covariance[0] > 0
-    out = dict(converter.convert(NAVIGATION, STAMP))
+    out = dict(as_messages(converter.convert(NAVIGATION, STAMP)))
     assert list(out['imu/data'].orientation_covariance) == [0] * 9
 
 
@@ -287,7 +289,7 @@ def test_another_stream_uses_nothing_of_the_last():
     for message in (ACCURACY, INERTIAL):
         list(converter.convert(message, STAMP))
     converter.end_stream(STAMP)
-    imu = dict(converter.convert(NAVIGATION, STAMP))['imu/data']
+    imu = dict(as_messages(converter.convert(NAVIGATION, STAMP)))['imu/data']
     assert list(imu.orientation_covariance) == [0] * 9
     assert imu.linear_acceleration_covariance[0] == -1
 
@@ -348,8 +350,8 @@ def test_a_repeated_navigation_message_has_a_later_stamp():
     """It has the stamp of the clock, and the same values."""
     converter = BahrsConverter(OPTIONS)
     list(converter.convert(INERTIAL, STAMP))
-    first = dict(converter.convert(NAVIGATION, STAMP))
-    second = dict(converter.convert(NAVIGATION, STAMP + 1))
+    first = dict(as_messages(converter.convert(NAVIGATION, STAMP)))
+    second = dict(as_messages(converter.convert(NAVIGATION, STAMP + 1)))
     for topic, message in first.items():
         if topic not in ('integrity', 'heading'):
             assert stamp_of(message) == STAMP and stamp_of(second[topic]) == STAMP + 1
@@ -360,6 +362,6 @@ def test_an_inertial_sample_before_a_gap_does_not_match_a_message_after_it():
     """Its counter matches because it has wrapped."""
     converter = BahrsConverter(OPTIONS)
     list(converter.convert(INERTIAL, STAMP))
-    outgoing = dict(converter.convert(NAVIGATION, STAMP + 1_280_000_000))
+    outgoing = dict(as_messages(converter.convert(NAVIGATION, STAMP + 1_280_000_000)))
     assert stamp_of(outgoing['imu/data']) == STAMP + 1_280_000_000
     assert math.isnan(outgoing['imu/data'].angular_velocity.x)

@@ -5,7 +5,7 @@
 import math
 
 from bahrs_driver.convert.axes import CONVENTIONS, flu_to_enu, quaternion_from_euler
-from bahrs_driver.convert.bahrs.magnetic import derived_field, rotation_to_body
+from bahrs_driver.convert.bahrs.magnetic import derived_field, north_east_down
 from hypothesis import given, strategies as st
 import numpy as np
 import pytest
@@ -43,7 +43,8 @@ def test_rotation_is_the_inverse_of_the_quaternion(roll, pitch, heading):
     """The matrix and the quaternion of `axes` describe the same attitude."""
     w, x, y, z = quaternion_from_euler(roll, pitch, heading)
     to_ned_down = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]
-    assert rotation_to_body(roll, pitch, heading)[2] == pytest.approx(to_ned_down, abs=1e-12)
+    downward = [direction[2] for direction in north_east_down(roll, pitch, heading)]
+    assert downward == pytest.approx(to_ned_down, abs=1e-12)
 
 
 def test_only_the_direction_across_the_field_is_known():
@@ -84,7 +85,7 @@ def test_errors_of_the_attitude_stay_within_the_covariance(convention, dip):
     roll, pitch, heading = 0.3, -0.5, 2.0
     field, matrix = derived_field(
         roll, pitch, heading, down, strength, dip, convention, north)
-    to_body = rotation_to_body(roll, pitch, heading)
+    to_body = np.array(north_east_down(roll, pitch, heading)).T
     errors = np.random.default_rng(7).normal(size=(200_000, 3)) * (north, east, down)
     earth = np.array([strength * math.cos(dip), 0.0, strength * math.sin(dip)])
     # To first order, as covariances are.

@@ -4,10 +4,10 @@
 
 from datetime import datetime, timezone
 
-from bahrs_driver.convert.ros import time_reference
 from bahrs_driver.convert.titan_m.gps_time import EARLIEST_HOST_NS, GPS_EPOCH_S, GpsTime, WEEK_US
+from bahrs_driver.convert.values import TimeReference
+from bahrs_driver.ros_layout.message_objects import to_message
 from hypothesis import given, strategies as st
-from std_msgs.msg import Header
 
 NO_CLOCK = 5 * 10 ** 9          # ns, of a host that has been running for 5 s
 WEEK = WEEK_US // 10 ** 6       # s
@@ -86,4 +86,5 @@ def test_impossible_times():
     assert GpsTime(2400, LEAP).utc_us(700_000.0, NO_CLOCK) is None
     assert GpsTime(3028, LEAP).utc_us(604_000.0, NO_CLOCK) is None
     latest = GpsTime(3000, LEAP).utc_us(604_799.0, NO_CLOCK)
-    assert time_reference(Header(), latest, 'gps').time_ref.sec < 2 ** 31
+    values = TimeReference(0, '', latest * 1000, 'gps')
+    assert to_message(values).time_ref.sec < 2 ** 31

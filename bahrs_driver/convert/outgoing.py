@@ -1,0 +1,18 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a converter returns, and which topics it converts for."""
+
+from collections.abc import Container, Iterator
+
+# Topic, and values of convert.values or a message object.
+Outgoing = Iterator[tuple[str, object]]
+
+
+class AllTopics(Container[str]):
+    """Contains every topic."""
+
+    def __contains__(self, _topic: object) -> bool:
+        return True
+
+
+ALL_TOPICS = AllTopics()

@@ -1,0 +1,34 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Serialize values for a publisher, which takes bytes as well as message objects."""
+
+from collections.abc import Callable
+from typing import Any
+
+from bahrs_driver.ros_layout.layouts import LAYOUTS
+from bahrs_driver.ros_layout.message_objects import matches, to_message
+
+
+class Serializer:
+    """
+    Serializes values whose layout is that of the installed message definition.
+
+    Values of other types, if a version of ROS changes a definition, become message objects.
+    """
+
+    def __init__(self) -> None:
+        layouts = {kind: layout for kind, layout in LAYOUTS.items() if matches(layout)}
+        self._serialize: dict[type, Callable[[Any], bytes]] = {
+            kind: layout.serialize for kind, layout in layouts.items()}
+        self.different = [layout.name for kind, layout in LAYOUTS.items() if kind not in layouts]
+
+    def warning(self) -> str:
+        """Return a sentence about definitions that differ; empty if none does."""
+        return self.different and (
+            f'{", ".join(self.different)}: the definition differs from that of ROS 2 Jazzy; '
+            'publishing takes more processor time, and new fields keep their defaults') or ''
+
+    def serialize(self, values: object) -> Any:
+        """Return the serialized message of values, or a message object."""
+        serialize = self._serialize.get(type(values))
+        return serialize(values) if serialize else to_message(values)

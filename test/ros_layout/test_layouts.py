@@ -1,0 +1,94 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Serialized messages are those of rclpy, for any values."""
+
+import math
+import struct
+
+from bahrs_driver.devices.registry import DEVICES
+from bahrs_driver.ros_layout.layouts import LAYOUTS
+from bahrs_driver.ros_layout.message_layout import Kind, MessageLayout, number
+from bahrs_driver.ros_layout.message_objects import matches, message_type, to_message
+from hypothesis import given, strategies as st
+import pytest
+from rclpy.serialization import deserialize_message, serialize_message
+
+# ROS strings end at the first zero byte, and are UTF-8, which has no surrogates.
+texts = st.text(st.characters(exclude_characters='\0', exclude_categories=['Cs']), max_size=30)
+RANGES = {'b': (-2 ** 7, 2 ** 7 - 1), 'B': (0, 2 ** 8 - 1), 'H': (0, 2 ** 16 - 1)}
+EVERY = pytest.mark.parametrize('kind', LAYOUTS, ids=lambda kind: kind.__name__)
+
+
+def values_of(kind):
+    """Return a strategy for values of a kind."""
+    return st.builds(kind, *map(field, LAYOUTS[kind].rows))
+
+
+def field(row):
+    """Return a strategy for the value of a row."""
+    if row.kind is Kind.TEXT:
+        return texts
+    if row.kind is Kind.TIME:
+        return st.integers(-2 ** 31 * 10 ** 9, 2 ** 31 * 10 ** 9 - 1)
+    one = st.floats() if row.code == 'd' else st.integers(*RANGES[row.code])
+    return one if row.kind is Kind.NUMBER else st.tuples(*[one] * row.length)
+
+
+@EVERY
+@given(st.data())
+def test_bytes_are_those_of_rclpy(kind, data):
+    """In size and in every field; rclpy leaves padding as it was."""
+    values = data.draw(values_of(kind))
+    message = to_message(values)
+    own, reference = LAYOUTS[kind].serialize(values), serialize_message(message)
+    assert len(own) == len(reference) and own[:4] == reference[:4]
+    received = deserialize_message(own, type(message))
+    # A second trip puts the padding of rclpy into both; NaN is equal to itself in bytes.
+    assert flat(received) == flat(message) == flat(deserialize_message(reference, type(message)))
+
+
+def flat(value):
+    """Return all values of a message, numbers as their bytes."""
+    if hasattr(value, 'get_fields_and_field_types'):
+        return [flat(getattr(value, name)) for name in value.get_fields_and_field_types()]
+    if isinstance(value, float):
+        return struct.pack('d', value)
+    return value.tobytes() if hasattr(value, 'tobytes') else value
+
+
+@EVERY
+def test_layout_has_the_fields_of_the_definition(kind):
+    """Names, types and order; the values have one for each row."""
+    assert matches(LAYOUTS[kind])
+    assert len(kind._fields) == len(LAYOUTS[kind].rows)
+    assert message_type(LAYOUTS[kind]).__name__ == kind.__name__
+
+
+@pytest.mark.parametrize('rows', [
+    (), (number('data', 'i'),), (number('other', 'd'),),
+    (number('data', 'd'), number('more', 'd'))])
+def test_another_definition_does_not_match(rows):
+    """For example a field that a later version of ROS adds."""
+    assert not matches(MessageLayout('std_msgs/msg/Float64', *rows))
+
+
+def test_every_topic_but_lists_of_signals_has_a_layout():
+    """Type DiagnosticArray is published on changes only."""
+    types = {kind for spec in DEVICES.values() for kind in spec.topics().values()}
+    without = types - {message_type(layout) for layout in LAYOUTS.values()}
+    assert {kind.__name__ for kind in without} == {'DiagnosticArray'}
+
+
+def test_number_that_does_not_fit_is_an_error():
+    """A time beyond 2038, for example."""
+    kind = next(iter(LAYOUTS))
+    values = kind(2 ** 31 * 10 ** 9, '', *(
+        (math.nan,) * row.length for row in LAYOUTS[kind].rows[2:]))
+    with pytest.raises(struct.error):
+        LAYOUTS[kind].serialize(values)
+
+
+def test_message_objects_stay():
+    """A converter may return them instead of values."""
+    message = message_type(next(iter(LAYOUTS.values())))()
+    assert to_message(message) is message
