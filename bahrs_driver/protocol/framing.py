@@ -93,7 +93,7 @@ class Framer:
         self._format = frame_format
         self._max_gap = max_gap
         self._expected: Collection[type] | None = None
-        self._buffer = bytearray()
+        self._buffer = b''
         self._buffer_offset = 0         # of the first byte of the buffer, in the stream
         self._gap = 0                   # index of the first byte that is not counted yet
         self._search = 0                # index from which the next marker is searched
@@ -117,7 +117,7 @@ class Framer:
         `expected` has the kinds of answers that are outstanding; None if that is not known.
         """
         self._expected = expected
-        self._buffer += data
+        self._buffer = self._buffer + data if self._buffer else bytes(data)
         return self._take_frames(final=False)
 
     def flush(self) -> list[Frame]:
@@ -136,12 +136,16 @@ class Framer:
         while (start := self._find_marker()) >= 0:
             found = self._examine(start, final)
             if isinstance(found, Frame):
-                self._accept(start, found)
+                if start > self._gap:
+                    self._close_gap(start)
+                self._gap = self._search = start + len(found.data)
                 frames.append(found)
             elif found is _NoFrame.REJECTED:
                 self._search = start + 1
             else:
                 break
+        self.counters.frames += len(frames)
+        self.counters.frame_bytes += sum([len(frame.data) for frame in frames])
         self._drop_rejected()
         return frames
 
@@ -156,12 +160,13 @@ class Framer:
 
     def _examine(self, start: int, final: bool) -> Frame | _NoFrame:
         """Return the frame at a marker, or the reason why there is none."""
+        buffer = self._buffer
         header_end = start + self._format.header_size
-        if header_end > len(self._buffer) and not final:
+        if header_end > len(buffer) and not final:
             return _NoFrame.INCOMPLETE
-        sizes = self._format.sizes(bytes(self._buffer[start:header_end]), self._expected)
+        sizes = self._format.sizes(buffer[start:header_end], self._expected)
         for size in sizes:
-            data = bytes(self._buffer[start:start + size])
+            data = buffer[start:start + size]
             if len(data) < size:
                 if not final:
                     return _NoFrame.INCOMPLETE
@@ -180,12 +185,6 @@ class Framer:
         elif start + sizes[-1] <= len(self._buffer):
             self.counters.crc_failures += 1
 
-    def _accept(self, start: int, frame: Frame) -> None:
-        self._close_gap(start)
-        self._gap = self._search = start + len(frame.data)
-        self.counters.frames += 1
-        self.counters.frame_bytes += len(frame.data)
-
     def _close_gap(self, end: int) -> None:
         """Count the bytes of the gap, up to end, as unknown frames or skipped bytes."""
         self._close_unknown(end)
@@ -203,7 +202,7 @@ class Framer:
         self._drop_candidates(end)
         candidates = self._unknown_candidates
         for start in sorted({candidates[0], candidates[-1]} if candidates else ()):
-            name = self._format.name_unknown(bytes(self._buffer[start:end]))
+            name = self._format.name_unknown(self._buffer[start:end])
             if name:
                 self.counters.unknown_types.add(name)
                 self.counters.unknown_bytes += end - start
@@ -220,16 +219,20 @@ class Framer:
 
     def _drop_rejected(self) -> None:
         """Drop the bytes that cannot be in a frame any more."""
-        self._drop_candidates(self._search)
-        keep = self._unknown_candidates[0] if self._unknown_candidates else self._search
+        keep = self._search
+        if self._unknown_candidates:
+            self._drop_candidates(keep)
+            keep = self._unknown_candidates[0] if self._unknown_candidates else keep
         self.counters.skipped_bytes += keep - self._gap
         self._gap = keep
         self._drop(keep)
 
     def _drop(self, count: int) -> None:
-        del self._buffer[:count]
+        if not count:
+            return
+        self._buffer = self._buffer[count:]
         self._buffer_offset += count
         self._search = max(0, self._search - count)
         self._gap = max(0, self._gap - count)
-        if count:
+        if self._unknown_candidates:
             self._unknown_candidates = deque(index - count for index in self._unknown_candidates)

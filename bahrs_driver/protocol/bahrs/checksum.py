@@ -10,6 +10,9 @@ bits of each input byte and of the result in reverse order, so zlib computes it.
 from array import array
 import zlib
 
+SIZE = 4        # bytes
+# zlib's CRC of a message followed by its CRC, highest bit first, before the final inversion: 0.
+_RESIDUE = 0xFFFFFFFF
 _BITS_REVERSED = bytes(int(f'{byte:08b}'[::-1], 2) for byte in range(256))
 
 
@@ -36,3 +39,22 @@ def mpeg2_words(data: bytes) -> bytes:
     words.frombytes(data)
     words.byteswap()
     return mpeg2(words.tobytes())
+
+
+def passes_crc32(frame: bytes) -> bool:
+    """Return whether the last four bytes of a frame are the reflected CRC-32 of the others."""
+    return crc32(frame[:-SIZE]) == frame[-SIZE:]
+
+
+def passes_mpeg2(frame: bytes) -> bool:
+    """Return whether the last four bytes of a frame are the CRC-32/MPEG-2 of the others."""
+    return mpeg2(frame[:-SIZE]) == frame[-SIZE:]
+
+
+def passes_mpeg2_words(frame: bytes) -> bool:
+    """Return whether the last word of a frame is the CRC-32/MPEG-2 of the words before it."""
+    if len(frame) % 4:
+        return False
+    words = array('I', frame.translate(_BITS_REVERSED))
+    words.byteswap()        # so that the CRC is the highest byte first, as the residue needs it
+    return zlib.crc32(words) == _RESIDUE

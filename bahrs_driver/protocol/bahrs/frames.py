@@ -30,6 +30,8 @@ CrcOrder = Literal['word', 'byte']
 Checksum = Literal['word', 'byte', 'crc32']
 
 _CHECKSUMS = {'word': checksum.mpeg2_words, 'byte': checksum.mpeg2, 'crc32': checksum.crc32}
+_CHECKS = {'word': checksum.passes_mpeg2_words, 'byte': checksum.passes_mpeg2,
+           'crc32': checksum.passes_crc32}
 
 
 def padding(payload_size: int) -> int:
@@ -77,7 +79,7 @@ class BahrsFormat:
 
     def __init__(self, order: Literal['auto', 'word', 'byte'] = 'auto') -> None:
         self.order_seen: str | None = None
-        self.version_seen: int | None = None
+        self._latest_frame = b''        # of the stream
         self._orders: list[str] = ['word', 'byte'] if order == 'auto' else [order]
         self._sizes = {
             HEADER.pack(MARKER, version, message_type): tuple(sorted(
@@ -85,6 +87,11 @@ class BahrsFormat:
                  for padded in ((False, True) if layout.message.SERVICE else (True,))}))
             for (version, message_type), layout in layouts().items()}
         self._services = {message.TYPE for message in MESSAGES if message.SERVICE}
+
+    @property
+    def version_seen(self) -> int | None:
+        """Protocol version of the latest frame; None without one."""
+        return frame_version(self._latest_frame) if self._latest_frame else None
 
     def sizes(self, header: bytes,
               _expected: Collection[type] | None = None) -> tuple[int, ...]:
@@ -98,7 +105,7 @@ class BahrsFormat:
             return self._first_passing(frame, ['crc32', 'byte', 'word'])
         order = self._first_passing(frame, self._orders)
         if order:
-            self.version_seen = frame_version(frame)
+            self._latest_frame = frame
             if order != self._orders[0]:
                 self._orders.reverse()
             self.order_seen = order
@@ -116,11 +123,8 @@ class BahrsFormat:
 
     @staticmethod
     def _first_passing(frame: bytes, checksums: list[str]) -> str | None:
-        body, found = frame[:-CRC_SIZE], frame[-CRC_SIZE:]
         for name in checksums:
-            if name == 'word' and len(body) % 4:
-                continue
-            if _CHECKSUMS[name](body) == found:
+            if _CHECKS[name](frame):
                 return name
         return None
 
