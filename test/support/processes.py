@@ -75,7 +75,7 @@ class Process:
             self._child.send_signal(number)
         try:
             return self.wait()
-        except subprocess.TimeoutExpired:
+        except BaseException:           # the time limit, or Ctrl-C: an orphan disturbs later runs
             self._child.kill()
             self.wait()
             raise
