@@ -2,16 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """A ROS domain for one run of tests or of a benchmark."""
 
-import contextlib
-import fcntl
-from itertools import chain
 import os
 from pathlib import Path
-import tempfile
+import socket
 
 DOMAINS = range(1, 102)         # those above collide with ports that the system gives away
 LOOPBACK = Path(__file__).with_name('loopback.xml')
-APART = 37                      # domains from where one user begins to where the next does
+_claims: list[socket.socket] = []       # held until this process ends
 
 
 def use_own_domain() -> None:
@@ -24,15 +21,19 @@ def use_own_domain() -> None:
 
 
 def claim_domain() -> int:
-    """Return a domain that no other run of tests on this machine has, until this one ends."""
-    folder = Path(tempfile.gettempdir()) / f'bahrs_driver_domains_{os.getuid()}'
-    folder.mkdir(exist_ok=True)
-    # Nobody sees the claims of another user, so everybody begins elsewhere.
-    first = os.getuid() * APART % len(DOMAINS)
-    for number in chain(DOMAINS[first:], DOMAINS[:first]):
-        claim = os.open(folder / str(number), os.O_CREAT | os.O_RDWR | os.O_CLOEXEC)
-        with contextlib.suppress(BlockingIOError):
-            fcntl.flock(claim, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            return number
-        os.close(claim)
-    raise RuntimeError(f'all {len(DOMAINS)} domains are taken, see {folder}')
+    """
+    Return a domain that no other run on this machine has, until this one ends.
+
+    A claim is a name of an abstract socket: it is the same for all users and temporary
+    directories, and like the loopback interface it belongs to the network namespace.
+    """
+    for number in DOMAINS:
+        claim = socket.socket(socket.AF_UNIX)
+        try:
+            claim.bind(f'\0bahrs_driver_domain_{number}')
+        except OSError:
+            claim.close()
+            continue
+        _claims.append(claim)
+        return number
+    raise RuntimeError(f'all {len(DOMAINS)} domains are taken')
