@@ -27,7 +27,6 @@ from bahrs_driver.node.sim_time import keep_host_time
 from bahrs_driver.node.topics import QUEUE_DEPTH, Topics
 from bahrs_driver.pipeline import DecodingFault, Notice, Stamped
 from bahrs_driver.process.fault_log import FaultLog
-from bahrs_driver.protocol.message import Message
 from bahrs_driver.ros_layout.serializer import Serializer
 from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.node_settings import NodeSettings
@@ -110,7 +109,10 @@ class DriverNode(ParameterNode):
     def _read(self) -> None:
         self._topics.wait_for_subscribers(self._log.info, self._log.warning)
         for event in self._reader.events():
-            self.faults.survive(f'handling the event {type(event).__name__}', self._handle, event)
+            try:
+                self._handle(event)
+            except Exception as error:
+                self.faults.report(f'handling the event {type(event).__name__}', error)
 
     def _handle(self, event: PortEvent) -> None:
         """Dispatch an event of the port."""
@@ -183,15 +185,14 @@ class DriverNode(ParameterNode):
 
     def _handle_message(self, stamped: Stamped, now: float) -> None:
         message, frame, stamp_ns = stamped
-        survive, nvm = self.faults.survive, self._live.nvm
-        survive(f'publishing {message.NAME}', self._publish_message, message, stamp_ns)
-        survive('watching the data', self._parts.health.observe, message, now)
-        if nvm:
-            survive('reading the memory', nvm.receive, message, frame)
-
-    def _publish_message(self, message: Message, stamp_ns: int) -> None:
-        self._topics.publish(self._parts.converter.convert(message, stamp_ns))
-        self._topics.counters.converted += 1
+        try:
+            self._topics.publish(self._parts.converter.convert(message, stamp_ns))
+            self._topics.counters.converted += 1
+        except Exception as error:
+            self.faults.report(f'publishing {message.NAME}', error)
+        self.faults.survive('watching the data', self._parts.health.observe, message, now)
+        if self._live.nvm:
+            self.faults.survive('reading the memory', self._live.nvm.receive, message, frame)
 
     def _report(self) -> None:
         self._link_task.check_sharing(time.monotonic())
