@@ -168,7 +168,8 @@ class Layout(Generic[Message]):
         self.message = message
         self.byte_order = byte_order
         self._rows: list[tuple[str, Row, struct.Struct]] = []
-        self._steps: list[tuple[Callable[[Any], Any], int | slice]] = []
+        # How to decode each field, None if the number is the value, and which numbers it has.
+        self._steps: list[tuple[Callable[[Any], Any] | None, int | slice]] = []
         codes, position = '', 0
         for item in fields(message):  # type: ignore[arg-type]
             row = (replace or {}).get(item.name) or _row_for(item.metadata['rows'], version)
@@ -177,7 +178,7 @@ class Layout(Generic[Message]):
             self._rows.append((item.name, row, struct.Struct(byte_order + code)))
             part: int | slice = position if row.count == 1 else slice(
                 position, position + row.count)
-            self._steps.append((row.decode, part))
+            self._steps.append((None if row.plain else row.decode, part))
             codes += code
             position += row.count
         self._struct = struct.Struct(byte_order + codes)
@@ -196,7 +197,8 @@ class Layout(Generic[Message]):
     def decode(self, payload: bytes, start: int = 0) -> Message:
         """Decode the payload that begins at start. Any content is valid."""
         values = self._struct.unpack_from(payload, start)
-        return self.message(*[decode(values[part]) for decode, part in self._steps])
+        return self.message(*[decode(values[part]) if decode else values[part]
+                              for decode, part in self._steps])
 
     def encode(self, message: Message) -> bytes:
         """Encode a message; raise ValueError if a value does not fit its field."""

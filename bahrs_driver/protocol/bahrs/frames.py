@@ -12,7 +12,7 @@ or padded, with the CRC-32/MPEG-2 of the document or the ordinary CRC-32 of the 
 tool. All variants are accepted: the CRC of each frame shows which one it is.
 """
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Iterable
 import struct
 from typing import Literal
 
@@ -24,14 +24,17 @@ from bahrs_driver.protocol.framing import Frame
 
 MARKER = b'NE'
 HEADER = struct.Struct('<2sHB')
+_HEADER_SIZE = HEADER.size
 CRC_SIZE = 4
 
 CrcOrder = Literal['word', 'byte']
 Checksum = Literal['word', 'byte', 'crc32']
 
 _CHECKSUMS = {'word': checksum.mpeg2_words, 'byte': checksum.mpeg2, 'crc32': checksum.crc32}
-_CHECKS = {'word': checksum.passes_mpeg2_words, 'byte': checksum.passes_mpeg2,
-           'crc32': checksum.passes_crc32}
+_Check = tuple[str, Callable[[bytes], bool]]     # name, and whether a whole frame passes
+_WORD = 'word', checksum.passes_mpeg2_words
+_BYTE = 'byte', checksum.passes_mpeg2
+_CRC32 = 'crc32', checksum.passes_crc32
 
 
 def padding(payload_size: int) -> int:
@@ -80,7 +83,7 @@ class BahrsFormat:
     def __init__(self, order: Literal['auto', 'word', 'byte'] = 'auto') -> None:
         self.order_seen: str | None = None
         self._latest_frame = b''        # of the stream
-        self._orders: list[str] = ['word', 'byte'] if order == 'auto' else [order]
+        self._checks = [check for check in (_WORD, _BYTE) if order in ('auto', check[0])]
         self._sizes = {
             HEADER.pack(MARKER, version, message_type): tuple(sorted(
                 {frame_size(layout.size, padded)
@@ -102,31 +105,31 @@ class BahrsFormat:
                          _expected: Collection[type] | None = None) -> str | None:
         """Return the name of the checksum that passes: 'word', 'byte' or 'crc32'."""
         if frame[4] in self._services:
-            return self._first_passing(frame, ['crc32', 'byte', 'word'])
-        order = self._first_passing(frame, self._orders)
+            return _first_passing(frame, (_CRC32, _BYTE, _WORD))
+        order = _first_passing(frame, self._checks)
         if order:
             self._latest_frame = frame
-            if order != self._orders[0]:
-                self._orders.reverse()
-            self.order_seen = order
+            if order != self.order_seen:
+                self.order_seen = order
+                self._checks.sort(key=lambda check: check[0] != order)
         return order
 
     def name_unknown(self, frame: bytes) -> str | None:
         """Return type and version of an intact frame of an unknown type, as text."""
         if len(frame) < frame_size(0, padded=False):
             return None
-        if not self._first_passing(frame, [*self._orders, 'crc32']):
+        if not _first_passing(frame, (*self._checks, _CRC32)):
             return None
         _, version, message_type = HEADER.unpack_from(frame)
         return f'0x{message_type:02X}' if version in VERSIONS \
             else f'0x{message_type:02X} of version {version}'
 
-    @staticmethod
-    def _first_passing(frame: bytes, checksums: list[str]) -> str | None:
-        for name in checksums:
-            if _CHECKS[name](frame):
-                return name
-        return None
+
+def _first_passing(frame: bytes, checks: Iterable[_Check]) -> str | None:
+    for name, passes in checks:
+        if passes(frame):
+            return name
+    return None
 
 
 class BahrsCodec(Decoder):
@@ -137,10 +140,13 @@ class BahrsCodec(Decoder):
         self._layouts = layouts(height_format)
         self.layouts_by_header = {HEADER.pack(MARKER, *key): layout
                                   for key, layout in self._layouts.items()}
+        self._decoders = {header: layout.decode
+                          for header, layout in self.layouts_by_header.items()}
 
     def decode(self, frame: Frame, _now: int = 0) -> BahrsMessage:
         """Return the message of an intact frame."""
-        return self.layouts_by_header[frame.data[:HEADER.size]].decode(frame.data, HEADER.size)
+        data = frame.data
+        return self._decoders[data[:_HEADER_SIZE]](data, _HEADER_SIZE)
 
     def raw(self, frame: Frame) -> dict[str, object]:
         """Return the raw numbers of an intact frame by field name."""
