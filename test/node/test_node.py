@@ -56,6 +56,28 @@ def stamps(messages):
             for message in messages]
 
 
+def test_topic_is_published_while_it_has_a_subscriber(cable):
+    """The others are not even converted; the diagnostics name them."""
+    with listening(DIAGNOSTICS) as ear, driver(cable.path), Device(cable):
+        assert says(ear, 'Publishing', DiagnosticStatus.OK, 'No topic has a subscriber')
+        assert value(ear, 'imu/data_raw') == '0'
+        with listening({'imu/data_raw': Imu}) as late:
+            received = late.wait('imu/data_raw', 100)
+            assert says(ear, 'Publishing', DiagnosticStatus.OK, 'Publishing')
+            unused = value(ear, 'Without subscriber').split(', ')
+            assert 'imu/data_raw' not in unused and 'imu/data' in unused
+        # The subscriber receives all messages from its first one on.
+        periods = [after - before for before, after in zip(stamps(received), stamps(received)[1:])]
+        assert all(period < 9_000_000 for period in periods)
+        assert says(ear, 'Publishing', DiagnosticStatus.OK, 'No topic has a subscriber')
+        assert int(value(ear, 'imu/data_raw')) >= 100 and value(ear, 'imu/data') == '0'
+
+
+def value(ear, key):
+    """Return a value of the latest status of the task Publishing."""
+    return next(pair.value for pair in status(ear, 'Publishing').values if pair.key == key)
+
+
 def test_raw_has_every_byte_and_when_it_was_read(cable):
     """In order, with labels; only if publish.raw is set."""
     topics = {TOPIC: UInt8MultiArray, 'imu/data_raw': Imu}
