@@ -21,7 +21,7 @@ from support.processes import driver, Process, running
 from support.waiting import wait_for
 
 HERE = Path(__file__).parent
-SETTLING = 4.0          # s before the measurement
+SETTLING = 8.0          # s before the measurement
 
 
 def cpu_seconds(pid: int) -> float:
@@ -55,11 +55,12 @@ def measure_bare(duration: float) -> float:
         return share(process, duration)
 
 
-def measure_node(duration: float, *options: str) -> float:
+def measure_node(duration: float, latency_timer: str) -> float:
     """Return the share of the node beside an emulated device, in percent."""
     with tempfile.TemporaryDirectory() as folder:
         port = f'{folder}/port'
-        with running('bahrs', 'emulate', '--link', port, '--wait', '--seed', '1') as device:
+        with running('bahrs', 'emulate', '--link', port, '--wait', '--seed', '1',
+                     '--latency-timer', latency_timer) as device:
             assert wait_for(lambda: device.lines), device.text
             with driver(port) as process:
                 assert wait_for(lambda: 'is open' in process.text), process.text
@@ -84,12 +85,14 @@ def main() -> None:
     """Measure and print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--duration', type=float, default=20.0, help='seconds for each row')
-    duration = parser.parse_args().duration
+    parser.add_argument('--latency-timer', default='1', help='of the adapter, in ms, or none')
+    options = parser.parse_args()
+    duration, timer = options.duration, options.latency_timer
     use_own_domain()
-    alone, bare_alone = measure_node(duration), measure_bare(duration)
+    alone, bare_alone = measure_node(duration, timer), measure_bare(duration)
     with script('counting_subscriber') as subscriber:
         assert wait_for(lambda: subscriber.lines), subscriber.text
-        bare, node = measure_bare(duration), measure_node(duration)
+        bare, node = measure_bare(duration), measure_node(duration, timer)
         print(subscriber.lines[-1])
     silent, missing = measure_idle(duration)
     print(f'subscribed    bare {bare:5.2f} %  node {node:5.2f} %  {node / bare:.2f} x')

@@ -4,10 +4,13 @@
 The topics of a device, and the publishers of a node.
 
 Values are published as serialized messages, and only on topics that have a subscriber: refresh()
-finds out which ones those are. Latched topics are published in any case, for late subscribers.
+finds out which ones those are. Latched topics are published in any case, for late subscribers. In
+the first seconds of the node all topics are: a subscriber that was started before the node, and is
+discovered meanwhile, finds from the sequence number of its first message how many it has missed.
 """
 
 from collections.abc import Callable, Container, Iterable
+import time
 
 from bahrs_driver.convert import raw
 from bahrs_driver.devices.settings import CommonSettings
@@ -23,6 +26,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import UInt8MultiArray
 
 QUEUE_DEPTH = 100               # half a second of the fastest topic
+DISCOVERY_TIME = 5.0            # s in which subscribers that were started first are discovered
 
 
 class Topics:
@@ -42,7 +46,8 @@ class Topics:
             if settings.publish.raw else None
         self._select = select
         self._serialize = serializer.serialize
-        self._in_use: frozenset[str] | None = None
+        self._in_use = frozenset(types)
+        self._created_at = time.monotonic()
         self.raw: Publisher | None = None       # if it is set to be published, and in use
         self.counters = PublishingCounters(dict.fromkeys(types, 0))
         self.refresh()
@@ -70,15 +75,17 @@ class Topics:
         subscribed = {topic for topic, publisher in self._data.items()
                       if publisher.get_subscription_count()}
         self.raw = self._raw if self._raw and self._raw.get_subscription_count() else None
-        in_use = frozenset(subscribed.union(self._latched))
         self.counters.in_use = subscribed
+        if time.monotonic() - self._created_at < DISCOVERY_TIME:
+            return
+        in_use = frozenset(subscribed.union(self._latched))
         if in_use != self._in_use:
             self._in_use = in_use
             self._select(in_use)
 
     def publish(self, outgoing: Iterable[tuple[str, object]]) -> None:
         """Publish values or message objects on their topics, if they are in use."""
-        in_use, counts = self._in_use or (), self.counters.messages
+        in_use, counts = self._in_use, self.counters.messages
         for topic, values in outgoing:
             if topic in in_use:
                 self._data[topic].publish(self._serialize(values))
@@ -89,7 +96,16 @@ class Topics:
         for publisher in self._latched.values():
             publisher.flush()
 
+    @property
+    def has_slow_subscribers(self) -> bool:
+        """Whether supervise() may have something to do."""
+        return any(publisher.has_backlog for publisher in self._latched.values())
+
     def supervise(self) -> None:
-        """Begin or end the backlog for slow subscribers of latched topics."""
+        """
+        Begin or end the backlog for slow subscribers of latched topics.
+
+        Only the executor's thread may call it.
+        """
         for publisher in self._latched.values():
             publisher.supervise()

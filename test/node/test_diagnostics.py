@@ -18,6 +18,7 @@ from bahrs_driver.virtual_serial.pty_port import PtyPort
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_msgs.srv import SelfTest
 import pytest
+from sensor_msgs.msg import Imu
 from support.devices import call, Device, DIAGNOSTICS, SAFE, says, status
 from support.processes import driver, listening, running, wait_for
 
@@ -51,7 +52,7 @@ def flip_in_three_of_ten(data, index):
 
 def test_a_healthy_device_is_ok_in_every_task(cable):
     """Its rates are complete."""
-    with listening(DIAGNOSTICS) as ear, driver(cable.path), Device(cable):
+    with listening({**DIAGNOSTICS, 'imu/data': Imu}) as ear, driver(cable.path), Device(cable):
         for task in TASKS:
             assert says(ear, task, OK, ''), status(ear, task)
         assert wait_for(lambda: rate(ear, 'inertial') == pytest.approx(200, rel=0.03))
