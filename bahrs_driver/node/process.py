@@ -4,6 +4,7 @@
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+import gc
 import sys
 import time
 
@@ -63,6 +64,7 @@ def _run_node(node: DriverNode, shutdown: ShutdownEvent) -> StoppableExecutor:
     """
     executor = StoppableExecutor(lambda error: node.faults.report('a request or timer', error))
     executor.add_node(node)
+    _shorten_garbage_collections()
     with ThreadPoolExecutor(max_workers=len(node.threads) + 1) as pool:
         for name, run_thread in node.threads.items():
             pool.submit(_keep_running, name, run_thread, node, shutdown)
@@ -73,6 +75,16 @@ def _run_node(node: DriverNode, shutdown: ShutdownEvent) -> StoppableExecutor:
         node.stop()
         executor.stop()
     return executor
+
+
+def _shorten_garbage_collections() -> None:
+    """
+    Exclude what exists now, such as all modules, from garbage collection.
+
+    A full collection would stop the reading thread for 13 ms, on a busy host for longer.
+    """
+    gc.collect()
+    gc.freeze()
 
 
 def _keep_running(name: str, run_thread: Callable[[], None], node: DriverNode,
