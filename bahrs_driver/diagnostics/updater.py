@@ -54,10 +54,12 @@ class Updater:
 
         The tasks run 20 times a second at most, however often this is called.
         """
+        if self._clock() - self._evaluated_at < MIN_INTERVAL:
+            return False                # as at most reads, without the lock
         with self._lock:
             now = self._clock()
             if now - self._evaluated_at < MIN_INTERVAL:
-                return False
+                return False            # another thread has just done it
             self._evaluated_at = now
             return [_without_numbers(self._run(task, now))
                     for task in self._tasks] != self._reported

@@ -34,8 +34,8 @@ class DiagnosticsPublisher:
 
     def report_change(self) -> None:
         """Publish the diagnostics if they changed; a change that comes too soon waits."""
-        with self._lock:
-            if self._updater.change_due():
+        if self._updater.change_due():
+            with self._lock:
                 self._publish()
 
     def self_test(self, _request: SelfTest.Request,

@@ -5,6 +5,7 @@
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 import sys
+import threading
 import time
 
 from bahrs_driver.bag.read_metadata import ReadMetadata
@@ -39,7 +40,6 @@ from bahrs_driver.transport.port_events import (
 from bahrs_driver.transport.port_reader import PortReader
 from diagnostic_msgs.msg import DiagnosticArray
 from diagnostic_msgs.srv import SelfTest
-from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import NameValidationException
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
@@ -80,7 +80,7 @@ class DriverNode(ParameterNode):
             parts.health.device_id)
         self._nvm_services = self._create_services()
         self._subscribe_to_pulses(parts.pulse_topic)
-        self._create_timers()
+        self._stopping = threading.Event()
         for warning in (*node_settings.warnings(), *parts.warnings, serializer.warning()):
             if warning:
                 self._log.warning(warning)
@@ -90,10 +90,12 @@ class DriverNode(ParameterNode):
         """Functions that each run in a thread until stop() is called, by name."""
         requests = self._live.requests
         return {'the reading thread': self._read,
+                'the watching thread': self._watch_until_stopped,
                 **({'the requesting thread': requests.run} if requests else {})}
 
     def stop(self) -> None:
         """Make the threads end soon."""
+        self._stopping.set()
         if self._live.requests:
             self._live.requests.stop()
         self._topics.stop_waiting()
@@ -194,6 +196,19 @@ class DriverNode(ParameterNode):
         if self._live.nvm:
             self.faults.survive('reading the memory', self._live.nvm.receive, message, frame)
 
+    def _watch_until_stopped(self) -> None:
+        """
+        Do what needs no data, and report every second.
+
+        A timer of the executor would do, but costs ten times as much for each call.
+        """
+        report_at = time.monotonic()
+        while not self._stopping.wait(WATCH_PERIOD):
+            self._watch()
+            if time.monotonic() >= report_at:
+                report_at = time.monotonic() + DIAGNOSTICS_PERIOD
+                self._report()
+
     def _report(self) -> None:
         self._link_task.check_sharing(time.monotonic())
         self._diagnostics.report()
@@ -201,7 +216,8 @@ class DriverNode(ParameterNode):
     def _watch(self) -> None:
         """Report changes that need no data, and serve slow subscribers."""
         self._topics.refresh()
-        self._topics.supervise()
+        if self.executor and self._topics.has_slow_subscribers:
+            self.executor.create_task(self._topics.supervise)
         self._diagnostics.report_change()
         # While the port is closed, its error is already in the log.
         is_open = self._reader.counters.open_since is not None
@@ -223,11 +239,6 @@ class DriverNode(ParameterNode):
 
     def _on_pulse_reference(self, message: TimeReference) -> None:
         self._parts.clock.pulse_reference(nanoseconds(message.header))
-
-    def _create_timers(self) -> None:
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(DIAGNOSTICS_PERIOD, self._report, clock=steady)
-        self.create_timer(WATCH_PERIOD, self._watch, clock=steady)
 
     def _create_services(self) -> NvmServices | None:
         self.create_service(SelfTest, '~/self_test', self._diagnostics.self_test)

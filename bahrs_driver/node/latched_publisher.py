@@ -73,6 +73,11 @@ class LatchedPublisher:
             with self._lock:
                 self._flush()
 
+    @property
+    def has_backlog(self) -> bool:
+        """Whether states wait for an acknowledgement."""
+        return bool(self._waiting or self._backlog)
+
     def supervise(self) -> None:
         """
         Begin or end the backlog for slow subscribers.
@@ -80,8 +85,6 @@ class LatchedPublisher:
         Call it some ten times a second in the thread that spins the node: it creates and destroys
         publishers.
         """
-        if not self._waiting and not self._backlog:
-            return
         with self._lock:
             self._flush()
             if self._backlog:
