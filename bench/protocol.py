@@ -25,8 +25,10 @@ from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import Accuracy, Inertial, InertialTime, Navigation
 from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.batch import Batch
+from bahrs_driver.protocol.block_framing import BlockFramer, FrameBlock
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.ros_layout.layouts import LAYOUTS
 from bahrs_driver.units import NS_PER_S
 
 SECONDS = 60            # of the device's stream
@@ -114,6 +116,20 @@ def main() -> None:
         for kind in (Inertial, Navigation, InertialTime, Accuracy):
             whole.take(kind)
 
+    def blocks() -> None:
+        framer, whole = BlockFramer(BahrsFormat()), Batch(codec.layouts_by_header)
+        for block in framer.feed(data):
+            (whole.add_block if isinstance(block, FrameBlock) else whole.add)(block)
+        assert framer.framer.counters.frames == count
+        for kind in (Inertial, Navigation, InertialTime, Accuracy):
+            whole.take(kind)
+
+    def serialize() -> None:
+        for index, message in enumerate(messages):
+            for _, values in parts.converter.convert(message, index):
+                if layout := LAYOUTS.get(type(values)):
+                    layout.serialize(values)
+
     rows = [
         ('floor', base),
         (f'framing, chunks of {CHUNK} bytes', best(framing, count)),
@@ -122,7 +138,9 @@ def main() -> None:
         ('pipeline, unstamped', best(pipeline, count)),
         ('pipeline, stamped', best(lambda: pipeline(SampleClock(ROLES)), count)),
         ('decoding all at once', best(batch, count)),
-        ('converting to ROS messages', best(convert, count)),
+        ('framing and decoding blocks', best(blocks, count)),
+        ('converting to values', best(convert, count)),
+        ('converting and serializing', best(serialize, count)),
         ('emulating the device', best(emulate, count)),
     ]
     rate = count / SECONDS

@@ -3,7 +3,6 @@
 """`bahrs decode`: print the messages in a stream of bytes."""
 
 import argparse
-from collections import Counter
 from collections.abc import Iterable, Iterator
 import csv
 import dataclasses
@@ -27,8 +26,10 @@ from bahrs_driver.protocol.message import Message
 from bahrs_driver.reprocess.decode import decode_stream
 from bahrs_driver.reprocess.decoding_faults import DecodingFaults
 from bahrs_driver.reprocess.message_times import TimedMessage, with_device_time
+from bahrs_driver.reprocess.stream_summary import StreamSummary, summarize
 
 _CHUNK = 65536          # bytes
+_BLOCK = 4_194_304      # bytes, for what is counted only
 TIME = 'device_time_us'
 _BODY, _NED = ('_x', '_y', '_z'), ('_north', '_east', '_down')
 _SUFFIXES = {'specific_force': _BODY, 'angular_rate': _BODY, 'unique_id': ('_1', '_2', '_3'),
@@ -72,27 +73,35 @@ def run(options: argparse.Namespace) -> int:
     decoder = spec.stream_decoder(spec.stream_decoder.settings(options) or spec.settings())
     faults = DecodingFaults()
     with binary_input(options.file) as file:
-        messages = decode_stream(_chunks(file), decoder, faults)
-        if options.format == 'jsonl':
-            for frame, message in messages:
-                print(json.dumps(record(decoder, frame, message)))
-        elif options.format == 'csv':
-            _print_csv(decoder, with_device_time(messages, spec.roles))
-        else:
-            counts = Counter(message.NAME for _, message in messages)
-            (_print_json if options.json else _print_summary)(counts, decoder)
-    problems = [*_problems(decoder, options.sensor), *faults.notices()]
+        frames, size = _print_stream(file, decoder, faults, options)
+    problems = [*_problems(frames, size, decoder, options.sensor), *faults.notices()]
     for problem in problems:
         warn('decode', problem)
     return 1 if problems else 0
 
 
-def _problems(decoder: AnyDecoder, sensor: str) -> Iterator[str]:
-    """Yield the reasons why messages are missing."""
+def _print_stream(file: BinaryIO, decoder: AnyDecoder, faults: DecodingFaults,
+                  options: argparse.Namespace) -> tuple[int, int]:
+    """Print a stream in the chosen format; return its frames and bytes."""
+    if options.format == 'summary':
+        summary = summarize(_chunks(file, _BLOCK), decoder, faults)
+        (_print_json if options.json else _print_summary)(summary, decoder)
+        return summary.framing.frames, summary.bytes_received
+    messages = decode_stream(_chunks(file, _CHUNK), decoder, faults)
+    if options.format == 'csv':
+        _print_csv(decoder, with_device_time(messages, DEVICES[options.sensor].roles))
+    else:
+        for frame, message in messages:
+            print(json.dumps(record(decoder, frame, message)))
     counters = decoder.pipeline.counters
-    if not counters.framing.frames:
+    return counters.framing.frames, counters.bytes_received
+
+
+def _problems(frames: int, size: int, decoder: AnyDecoder, sensor: str) -> Iterator[str]:
+    """Yield the reasons why messages are missing."""
+    if not frames:
         others = ' or '.join(f'--sensor {name}' for name in DEVICES if name != sensor)
-        yield (f'no frame of a {sensor} in {counters.bytes_received} bytes; if they are of '
+        yield (f'no frame of a {sensor} in {size} bytes; if they are of '
                f'another device, try {others}')
     elif complaint := decoder.complaint():
         yield complaint
@@ -114,10 +123,10 @@ def record(decoder: AnyDecoder, frame: Frame, message: Message) -> dict[str, obj
             **fields}
 
 
-def _chunks(file: BinaryIO) -> Iterator[bytes]:
+def _chunks(file: BinaryIO, size: int) -> Iterator[bytes]:
     read = getattr(file, 'read1', file.read)        # does not wait for more bytes from a pipe
     try:
-        while chunk := read(_CHUNK):
+        while chunk := read(size):
             yield chunk
     except OSError as error:
         if error.errno != errno.EIO:            # a port that is unplugged ends its stream
@@ -180,21 +189,21 @@ def _cells(values: Iterable[object]) -> Iterator[object]:
             yield printable(value) if isinstance(value, str) else value
 
 
-def _print_json(counts: Counter[str], decoder: AnyDecoder) -> None:
-    counters, framing = decoder.pipeline.counters, decoder.pipeline.counters.framing
+def _print_json(summary: StreamSummary, decoder: AnyDecoder) -> None:
+    framing = summary.framing
     print(json.dumps({
-        'counts': counts, 'unknown_types': dict(framing.unknown_types),
-        'bytes': counters.bytes_received, 'crc_failures': framing.crc_failures,
+        'counts': summary.counts, 'unknown_types': dict(framing.unknown_types),
+        'bytes': summary.bytes_received, 'crc_failures': framing.crc_failures,
         'skipped_bytes': framing.skipped_bytes,
         **{name.lower().replace(' ', '_'): value for name, value in decoder.detected()}}))
 
 
-def _print_summary(counts: Counter[str], decoder: AnyDecoder) -> None:
-    counters, framing = decoder.pipeline.counters, decoder.pipeline.counters.framing
-    rows = counts.most_common()
+def _print_summary(summary: StreamSummary, decoder: AnyDecoder) -> None:
+    framing = summary.framing
+    rows = summary.counts.most_common()
     rows += [(f'unknown type {name}', count)
              for name, count in sorted(framing.unknown_types.items())]
-    rows += [('bytes', counters.bytes_received), ('CRC failures', framing.crc_failures),
+    rows += [('bytes', summary.bytes_received), ('CRC failures', framing.crc_failures),
              ('skipped bytes', framing.skipped_bytes)]
     print_counts(rows)
     for name, value in decoder.detected():

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from bahrs_driver.protocol.framing import FrameFormat
+from bahrs_driver.protocol.block_framing import BlockFormat
 from bahrs_driver.protocol.layout import Layout
 from bahrs_driver.protocol.message import Message
 from bahrs_driver.protocol.message_roles import MessageRoles
@@ -19,7 +19,7 @@ class RecordingFormat:
     """Frames and message types of a recording; None as a version is the latest."""
 
     label: str                                      # name of the device in sentences
-    frame_format: FrameFormat
+    frame_format: BlockFormat
     layouts: Mapping[bytes, Layout[Any]]            # by the header of a frame
     roles: MessageRoles
     accuracy: type[Message]

@@ -5,13 +5,16 @@
 from abc import ABC, abstractmethod
 import argparse
 from collections.abc import Sequence
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TYPE_CHECKING, TypeVar
 
 from bahrs_driver.clock import Clock
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.pipeline import Pipeline
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.message import Message
+
+if TYPE_CHECKING:               # it needs numpy
+    from bahrs_driver.protocol.block_framing import BlockFormat
 
 Settings = TypeVar('Settings', bound=CommonSettings)
 
@@ -48,6 +51,10 @@ class StreamDecoder(ABC, Generic[Settings]):
     def detected(self) -> list[tuple[str, object]]:
         """Return detected properties of the protocol, by name."""
         return []
+
+    def block_format(self) -> 'tuple[BlockFormat, dict[bytes, str]] | None':
+        """Return the format of frames that can be found in blocks, and message names by header."""
+        return None
 
     def complaint(self) -> str:
         """Return why messages could not be decoded; empty if all could."""

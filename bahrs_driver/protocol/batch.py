@@ -18,6 +18,7 @@ from enum import IntEnum
 from functools import lru_cache
 from typing import Any
 
+from bahrs_driver.protocol.block_framing import FrameBlock
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.layout import Layout, Row
 import numpy as np
@@ -48,11 +49,17 @@ class Batch:
         if self._count >= _PENDING:
             self._pack()
 
+    def add_block(self, block: FrameBlock) -> None:
+        """Add frames with the same header."""
+        payload = slice(self._header_size, self._header_size + self._layouts[block.header].size)
+        self._packed[block.header].append((block.offsets, block.rows[:, payload].tobytes()))
+
     def counts(self) -> dict[bytes, int]:
-        """Count the frames by header."""
+        """Count the frames by header, in the order of the first ones."""
         self._pack()
-        return {header: sum(len(offsets) for offsets, _ in parts)
-                for header, parts in self._packed.items()}
+        ordered = sorted(self._packed.items(),
+                         key=lambda item: min(int(offsets[0]) for offsets, _ in item[1]))
+        return {header: sum(len(offsets) for offsets, _ in parts) for header, parts in ordered}
 
     def take(self, message: type) -> Array:
         """Decode and remove all messages of a kind, of any version, in stream order."""

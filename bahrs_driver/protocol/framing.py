@@ -120,6 +120,13 @@ class Framer:
         self._buffer = self._buffer + data if self._buffer else bytes(data)
         return self._take_frames(final=False)
 
+    def skip_frames(self, count: int, size: int) -> None:
+        """Count intact frames, `size` bytes in all, that were found without this framer."""
+        assert not self._buffer, 'the bytes before them are pending'
+        self.counters.frames += count
+        self.counters.frame_bytes += size
+        self._buffer_offset += size
+
     def flush(self) -> list[Frame]:
         """
         End the stream and return the frames inside an incomplete candidate.

@@ -9,21 +9,19 @@ from dataclasses import dataclass
 import math
 from typing import Any
 
-from bahrs_driver.bag.capture import Capture
-from bahrs_driver.bag.feed_capture import feed_capture
-from bahrs_driver.bag.log_clock import LogClock
+from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.devices.recording_format import Limits, RecordingFormat
-from bahrs_driver.pipeline import Pipeline, PipelineCounters
+from bahrs_driver.pipeline import PipelineCounters
 from bahrs_driver.protocol.batch import Array, Batch
-from bahrs_driver.protocol.decoder import Decoder
-from bahrs_driver.protocol.framing import Frame, Framer, FramingCounters
+from bahrs_driver.protocol.block_framing import BlockFramer, FrameBlock
+from bahrs_driver.protocol.framing import FramingCounters
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.protocol.message import Message
 from bahrs_driver.report.time_axis import make_time_axis, TimeAxis
 from bahrs_driver.units import S_PER_NS
 import numpy as np
 
-
+BLOCK = 4_194_304       # bytes that are searched for frames at a time
 _NOT_VALUES = {'offset', 'sequence', 'health', 'device_time_us'}
 _AVAILABLE = [state for state in Integrity if state.available]
 
@@ -87,24 +85,43 @@ class Recording:
         return float(self.time_axis.seconds[-1]) if len(self.time_axis.seconds) else 0.0
 
 
-_EMPTY = Message()
+class _FrameReader:
+    """Collects the frames of the chunks of a capture, many at a time."""
 
+    def __init__(self, recording_format: RecordingFormat) -> None:
+        self.batch = Batch(recording_format.layouts)
+        self._framer = BlockFramer(recording_format.frame_format)
+        self.counters = PipelineCounters(self._framer.framer.counters)
+        self._chunks: list[bytes] = []
+        self._size = 0                      # of the chunks that wait
+        self._connection_id: int | None = None
 
-class _FrameCollector(Decoder):
-    """A decoder that collects frames instead of decoding them one by one."""
+    def feed(self, chunk: Chunk) -> int:
+        """Add a chunk; return the offset of the byte after it."""
+        if chunk.connection_id != self._connection_id:
+            self.close()
+            self._connection_id = chunk.connection_id
+            self.counters.streams += 1
+        self._chunks.append(chunk.data)
+        self._size += len(chunk.data)
+        self.counters.bytes_received += len(chunk.data)
+        if self._size >= BLOCK:
+            self._take()
+        return self.counters.bytes_received
 
-    def __init__(self) -> None:
-        self._frames: list[Frame] = []
+    def close(self) -> None:
+        """End a stream."""
+        self._take()
+        self.batch.add(self._framer.flush())
 
-    def decode(self, frame: Frame, _now: int) -> Message:
-        """Collect a frame, and return an empty message."""
-        self._frames.append(frame)
-        return _EMPTY
-
-    def take(self) -> list[Frame]:
-        """Return and remove the collected frames."""
-        frames, self._frames = self._frames, []
-        return frames
+    def _take(self) -> None:
+        for found in self._framer.feed(b''.join(self._chunks)):
+            if isinstance(found, FrameBlock):
+                self.batch.add_block(found)
+            else:
+                self.batch.add(found)
+        self._chunks.clear()
+        self._size = 0
 
 
 def gather(capture: Capture, recording_format: RecordingFormat,
@@ -114,20 +131,20 @@ def gather(capture: Capture, recording_format: RecordingFormat,
 
     progress is called after each chunk. Raise CaptureError if the capture cannot be read.
     """
-    collector, batch = _FrameCollector(), Batch(recording_format.layouts)
-    pipeline = Pipeline(Framer(recording_format.frame_format), collector)
+    reader = _FrameReader(recording_format)
     ros_ns, raw_ns, received = array('q'), array('q'), array('q')   # there are millions of reads
-    for chunk, *_ in feed_capture(capture, pipeline, LogClock()):
-        batch.add(collector.take())
+    for chunk in capture.chunks():
+        end = reader.feed(chunk)
         if chunk.data and chunk.ros_ns is not None:
             ros_ns.append(chunk.ros_ns)
             if chunk.raw_ns is not None:
                 raw_ns.append(chunk.raw_ns)
-            received.append(pipeline.received)
+            received.append(end)
         progress()
+    reader.close()
     reads = Reads(np.array(ros_ns), np.array(raw_ns) if len(raw_ns) == len(ros_ns) else None,
                   np.array(received), capture.byte_ns or 0) if ros_ns else None
-    return _recording(capture, batch, pipeline.counters, recording_format, reads)
+    return _recording(capture, reader.batch, reader.counters, recording_format, reads)
 
 
 def _recording(capture: Capture, batch: Batch, counters: PipelineCounters,

@@ -9,6 +9,7 @@ import math
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import Accuracy, Inertial, layouts, MESSAGES, Navigation
 from bahrs_driver.protocol.batch import Batch, table
+from bahrs_driver.protocol.block_framing import BlockFramer, FrameBlock
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.protocol.layout import (
@@ -101,12 +102,18 @@ def test_a_whole_recording():
     """Counts and values of every message of a real device."""
     data = shared_file('data/bahrs_recording_v2.bin').read_bytes()
     codec, framer = BahrsCodec(), Framer(BahrsFormat())
-    batch = Batch(codec.layouts_by_header)
+    batch, blocks = Batch(codec.layouts_by_header), Batch(codec.layouts_by_header)
     frames = framer.feed(data) + framer.flush()
     batch.add(frames)
+    block_framer = BlockFramer(BahrsFormat())
+    for start in range(0, len(data), 300_000):
+        for found in block_framer.feed(data[start:start + 300_000]):
+            (blocks.add_block if isinstance(found, FrameBlock) else blocks.add)(found)
+    assert blocks.counts() == batch.counts()
     for kind in MESSAGES:
         wanted = [frame for frame in frames if frame.data[4] == kind.TYPE]
         array = batch.take(kind)
+        assert blocks.take(kind).tobytes() == array.tobytes() or kind.NAME == 'software_version'
         assert array['offset'].tolist() == [frame.offset for frame in wanted]
         for frame, row in list(zip(wanted, array))[::97]:
             message = codec.decode(frame)

@@ -37,8 +37,8 @@ class BahrsStreamDecoder(StreamDecoder[BahrsSettings]):
 
     def __init__(self, settings: BahrsSettings, clock: Clock | None = None) -> None:
         self._format = BahrsFormat(settings.crc_order)
-        self.pipeline = Pipeline(Framer(self._format), BahrsCodec(settings.pressure_height.format),
-                                 clock)
+        self._codec = BahrsCodec(settings.pressure_height.format)
+        self.pipeline = Pipeline(Framer(self._format), self._codec, clock)
 
     def head_values(self, frame: Frame) -> dict[str, object]:
         """Return the protocol version."""
@@ -52,6 +52,11 @@ class BahrsStreamDecoder(StreamDecoder[BahrsSettings]):
         if isinstance(message, TimeMessage) and not message.valid:
             return ('reference_sequence',)
         return ()
+
+    def block_format(self) -> tuple[BahrsFormat, dict[bytes, str]]:
+        """Return the format of frames that can be found in blocks, and message names by header."""
+        return self._format, {header: layout.message.NAME
+                              for header, layout in self._codec.layouts_by_header.items()}
 
     def detected(self) -> list[tuple[str, object]]:
         """Return detected properties of the protocol, by name."""

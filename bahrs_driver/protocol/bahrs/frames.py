@@ -12,7 +12,7 @@ or padded, with the CRC-32/MPEG-2 of the document or the ordinary CRC-32 of the 
 tool. All variants are accepted: the CRC of each frame shows which one it is.
 """
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 import struct
 from typing import Literal
 
@@ -95,6 +95,16 @@ class BahrsFormat:
     def version_seen(self) -> int | None:
         """Protocol version of the latest frame; None without one."""
         return frame_version(self._latest_frame) if self._latest_frame else None
+
+    @property
+    def single_sizes(self) -> Mapping[bytes, int]:
+        """Sizes of frames by header, for headers with one size."""
+        return {header: sizes[0] for header, sizes in self._sizes.items() if len(sizes) == 1}
+
+    @property
+    def first_checksum(self) -> Callable[[bytes], bytes]:
+        """Checksum that is tried first."""
+        return _CHECKSUMS[self._checks[0][0]]
 
     def sizes(self, header: bytes,
               _expected: Collection[type] | None = None) -> tuple[int, ...]:
