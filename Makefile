@@ -10,7 +10,7 @@ NOBLE := .venv-noble
 # Tests start hundreds of processes, each of which would compile the package again.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help setup run test check test-noble lint docs bench bench-clock bench-exits build clean
+.PHONY: help setup run test check test-noble lint docs bench bench-node bench-clock bench-exits build clean
 
 help:
 	@echo 'make run      watch the driver at work on an emulated device'
@@ -22,6 +22,7 @@ help:
 	@echo '              PYTHON=python3.12 for its Python, too'
 	@echo 'make lint     linters only'
 	@echo 'make bench    what a frame costs, with its floor'
+	@echo 'make bench-node   processor time and latency of the node beside a bare publisher'
 	@echo 'make bench-clock   how far stamps are from the truth; twenty minutes'
 	@echo 'make bench-exits   how long the node takes to end after a signal; fifteen minutes'
 	@echo 'make docs     generate the tables of the README and the parameter files'
@@ -65,6 +66,10 @@ docs: $(READY)
 
 bench: $(READY)
 	$(BIN)/python bench/protocol.py
+
+bench-node: $(READY)
+	PYTHONPATH=bench:test $(BIN)/python bench/node_cpu.py
+	PYTHONPATH=bench:test $(BIN)/python bench/latency.py
 
 bench-exits: $(READY)
 	PYTHONPATH=bench:test $(BIN)/python bench/exits.py

@@ -9,11 +9,13 @@ It reads no port, decodes nothing and reuses one message object per topic.
 from collections.abc import Iterator
 import sys
 import time
+from typing import Any
 
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.process.shutdown_event import ShutdownEvent
 import rclpy
 from rclpy.publisher import Publisher
+from rclpy.signals import SignalHandlerOptions
 
 SAMPLE_PERIOD = 0.005       # s
 # Published every so many samples; topics that only publish changes are left out.
@@ -26,7 +28,7 @@ def main() -> None:
     """Publish until a signal comes; print a line when the publishers exist."""
     shutdown = ShutdownEvent()
     shutdown.install_signal_handlers()
-    rclpy.init(args=sys.argv)
+    rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node('bare')
     types = DEVICES['bahrs'].topics()
     publishers = [(every, node.create_publisher(types[topic], topic, 100), types[topic]())
@@ -39,12 +41,14 @@ def main() -> None:
     rclpy.shutdown()
 
 
-def _samples(publishers: list[tuple[int, Publisher, object]]) -> Iterator[float]:
+def _samples(publishers: list[tuple[int, Publisher, Any]]) -> Iterator[float]:
     """Publish what is due with each sample; yield when the next one is, on steady time."""
     due, number = time.monotonic(), 0
     while True:
         for every, publisher, message in publishers:
             if number % every == 0:
+                if every == 1:          # for the measurement of latency
+                    message.linear_acceleration.x = time.monotonic()
                 publisher.publish(message)
         number += 1
         due += SAMPLE_PERIOD

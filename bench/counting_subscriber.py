@@ -10,6 +10,7 @@ from bahrs_driver.process.shutdown_event import ShutdownEvent
 from diagnostic_msgs.msg import DiagnosticArray
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
 
 TOPICS = {**DEVICES['bahrs'].topics(), '/diagnostics': DiagnosticArray}
 
@@ -18,7 +19,7 @@ def main() -> None:
     """Subscribe until a signal comes; print the counts every second."""
     shutdown = ShutdownEvent()
     shutdown.install_signal_handlers()
-    rclpy.init(args=sys.argv)
+    rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node('counting')
     counts = dict.fromkeys(TOPICS, 0)
 
