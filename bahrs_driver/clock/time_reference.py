@@ -36,8 +36,13 @@ class TimeReferenceConvention:
         return int(2 * sum(self._votes) >= len(self._votes))
 
     @property
+    def seen(self) -> bool:
+        """Whether the convention is forced, or was voted for."""
+        return self._label != 'auto' or bool(self._votes)
+
+    @property
     def label(self) -> str:
         """Return the convention as it appears in diagnostics."""
-        if self._label == 'auto' and not self._votes:
+        if not self.seen:
             return 'not seen yet'
         return 'next' if self.ahead else 'same'

@@ -83,5 +83,5 @@ def _observe(frame: Frame, message: Message, streams: Iterable[StreamCounter]) -
         if type(message) is stream.kind:
             return _Held(frame, message, stream, stream.count if stream.count > before else None)
         if not getattr(message, 'valid', True):
-            stream.times.discard_anchors(stream.count)
+            stream.discard_times()
     return _Held(frame, message, None, None)

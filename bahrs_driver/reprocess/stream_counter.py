@@ -6,6 +6,9 @@ Count the samples of a stream whose reads have no host time, by their sequence c
 Samples are the messages of one type: by default the device's samples, or the navigation messages
 of a stream that has no others. Both are counted in sample periods. Messages before the first
 sample, or after power-on, belong to the sample before the next one: it was sent, but not received.
+
+A time message between two consecutive samples shows the convention of time messages. Beside a lost
+sample it shows nothing: each convention looks like the other one with a sample lost.
 """
 
 from collections import deque
@@ -32,7 +35,7 @@ class StreamCounter:
         Count messages of the type `kind`.
 
         label is the convention of time messages. The first time messages, as many as `votes`, are
-        used once they have decided on it; with 0 votes, each one at once.
+        used once they have decided on it; with 0 votes, as soon as one of them has shown it.
         """
         self.kind = kind
         # Sample periods from one message to the next.
@@ -50,7 +53,9 @@ class StreamCounter:
         self._power_on = False                          # since the latest sample
         self._votes = votes
         self._convention_decided = False
-        self._undecided: list[tuple[Any, CountedSequence, int]] = []    # arguments of _add_anchor
+        self._unconfirmed: list[int] = []               # votes since the latest sample
+        # Arguments of _add_anchor:
+        self._undecided: deque[tuple[Any, CountedSequence, int]] = deque(maxlen=MOST_PENDING)
 
     @property
     def count(self) -> int:
@@ -74,9 +79,14 @@ class StreamCounter:
         elif message.valid:
             self._observe_time(message, self._latest)
 
+    def discard_times(self) -> None:
+        """Discard all time messages: the samples so far get no certain time any more."""
+        self._undecided.clear()
+        self.times.discard_anchors(self.count)
+
     def assign_ros_times(self, start: int | None) -> None:
         """End the stream; start is the ROS time of the first time message, in ns."""
-        self._decide_convention()
+        self._use_undecided()
         origin = self.origin or CountedSequence(-1, 0)
         self.times.assign_ros_times(start, min(
             (self.navigation.count(sequence, origin) or origin.count
@@ -97,6 +107,7 @@ class StreamCounter:
                                      self.step * (sample.count - bool(self._pending)),
                                      sequence, self._power_on))
         self._power_on = False
+        self._confirm_votes(consecutive=ahead == 1)
         self._observe_pending(CountedSequence(sample.count - 1, previous))
         self._latest = sample
         self._received += 1
@@ -121,6 +132,16 @@ class StreamCounter:
             self.observe(message)
             if type(message) is self._roles.navigation and unreceived.count < 0:
                 self._early_navigation.append(message.sequence)
+        self._unconfirmed.clear()
+
+    def _confirm_votes(self, consecutive: bool) -> None:
+        """Count the votes since the latest sample if the next one is consecutive."""
+        if consecutive:
+            for ahead in self._unconfirmed:
+                self.convention.vote(ahead)
+            if not self._votes and self.convention.seen:
+                self._use_undecided()
+        self._unconfirmed.clear()
 
     def _observe_time(self, message: Any, latest: CountedSequence) -> None:
         """Examine a time message that follows a sample."""
@@ -131,17 +152,15 @@ class StreamCounter:
             count, step = reference
             ahead, rest = divmod(count - latest.count, step)
             if not rest:
-                self.convention.vote(ahead)
-        if self._convention_decided or not self._votes:
-            self._add_anchor(message, latest, self._received)
-            return
+                self._unconfirmed.append(ahead)
         self._undecided.append((message, latest, self._received))
         if len(self._undecided) == self._votes:
-            self._decide_convention()
+            self._convention_decided = True
+        if self._convention_decided or not self._votes and self.convention.seen:
+            self._use_undecided()
 
-    def _decide_convention(self) -> None:
-        """Use the first time messages, as their convention is known now."""
-        self._convention_decided = True
+    def _use_undecided(self) -> None:
+        """Use the time messages that waited for their convention."""
         for arguments in self._undecided:
             self._add_anchor(*arguments)
         self._undecided.clear()

@@ -8,7 +8,7 @@ from bahrs_driver.protocol.bahrs.messages import (
 from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.reprocess.message_times import MOST_HELD, with_device_time
-from hypothesis import given, strategies as st
+from hypothesis import example, given, strategies as st
 import pytest
 
 SAFE = (Integrity.SAFE,) * 6
@@ -49,13 +49,15 @@ def test_every_message_of_a_good_stream_has_its_time(ahead, ppm, first, begin, e
 
 
 @pytest.mark.slow
-@given(lost=st.sets(st.integers(0, 1200), max_size=600), gap=st.integers(0, 420),
-       place=st.integers(0, 1200), again=st.integers(0, 10 ** 6))
-def test_losses_and_restarts_give_no_wrong_time(lost, gap, place, again):
+@example(ahead=1, lost={0, 5}, gap=0, place=0, again=0)     # no sample beside the first message
+@example(ahead=0, lost={*range(5), 33}, gap=0, place=0, again=0)      # none before it
+@given(ahead=st.integers(0, 1), lost=st.sets(st.integers(0, 1200), max_size=600),
+       gap=st.integers(0, 420), place=st.integers(0, 1200), again=st.integers(0, 10 ** 6))
+def test_losses_and_restarts_give_no_wrong_time(ahead, lost, gap, place, again):
     """The time of each message is right, or None."""
-    found = stream(700)
+    found = stream(700, ahead=ahead)
     found = found[:place] + found[place + gap:] + [
-        (SoftwareVersion('OSS', 1, 2), None), *stream(300, again)]
+        (SoftwareVersion('OSS', 1, 2), None), *stream(300, again, ahead)]
     found = [item for index, item in enumerate(found) if index not in lost]
     made = times(found)
     assert all(time is None or true is not None and abs(time - true) <= 10
