@@ -27,6 +27,7 @@ class HeldSample(HeldMessage):
     timed: ClassVar[bool] = True
 
     count: int = 0
+    plausible: bool = False             # its counter is
     feed_later: bool = False            # to the estimate, when its device time is known
 
 

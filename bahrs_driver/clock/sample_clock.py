@@ -163,7 +163,7 @@ class SampleClock(Clock):
         if device.awaits_sample:
             self._resume_count(sequence, bound)
         plausible = counter.advance(sequence, bound) or self._add_after_gap(sequence, bound)
-        item.count = counter.count
+        item.count, item.plausible = counter.count, plausible
         if plausible and device.known:
             self._estimate.feed(device.time_of(counter.count), bound)
         item.feed_later = plausible and not device.known

@@ -53,7 +53,9 @@ class StampSlewer:
         """
         if target > now.raw_ns + IMPOSSIBLE:
             return None
-        return self.stamp_arrival(min(target + self._follow(device, target, skew), bound))
+        stamp = self.stamp_arrival(min(target + self._follow(device, target, skew), bound))
+        self._lead = min(self._lead, max(0.0, bound - target))      # slew on from the bound
+        return stamp
 
     def stamp_arrival(self, raw: int) -> int:
         """Return the stamp of a sample of which only a raw time is known."""

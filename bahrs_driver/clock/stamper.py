@@ -122,6 +122,8 @@ class Stamper:
             device = self._device.time_of(count)
             target, skew = self.host_time(device)
             stamp = self._slewer.stamp(device, target, skew, item.bound, now)
+            if stamp is None and isinstance(item, HeldSample) and item.plausible:
+                stamp = self._slewer.stamp_arrival(item.bound)  # the estimate is late
             if stamp is None:
                 return None
         else:

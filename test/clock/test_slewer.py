@@ -62,6 +62,16 @@ def test_no_stamp_is_later_than_its_bound():
         700 * PERIOD - MS + 10]
 
 
+def test_a_bound_ends_the_slew():
+    """Stamps continue from the bound: they do not follow later arrivals up again."""
+    made = slewer()
+    stamps(made, [index * PERIOD for index in range(700)])
+    low = [index * PERIOD - 4 * MS for index in range(700, 703)]
+    stamps(made, low[:1], 700)
+    assert stamps(made, low[1:2], 701, bound=low[1] + 10) == [low[1] + 10]
+    assert stamps(made, low[2:], 702) == [low[2]]
+
+
 def test_a_time_after_its_own_read_is_impossible():
     """The limit is a millisecond."""
     made = slewer()

@@ -24,9 +24,12 @@ that seems too early (a corrupted counter, a wrong time message) would bend it f
     for a minute, or ten buckets have the same value: then the path has changed. Its own wide gap
     does not widen the gate: that is typical of a host that is late all the time.
 *   A measurement below the gate means that all samples before were late, and is followed at once;
-    but only if the second smallest residual confirms it.
+    but only if the second smallest residual confirms it. Far below, it does not wait for the end
+    of its bucket.
 
-During the first half second the estimate follows the running minimum, and exists at once.
+During the first half second the estimate follows the running minimum, and exists at once. If the
+host was late at the start, the first samples waited in a buffer, and each shows better than the
+one before how late all of them were: the estimate follows until the minimum falls no more.
 """
 
 from collections import deque
@@ -37,6 +40,7 @@ from bahrs_driver.clock.estimation.kalman import OffsetFilter, process_model
 from bahrs_driver.units import NS_PER_MS, NS_PER_S, NS_PER_US
 
 FIRST_SPAN = NS_PER_S // 2
+NOTABLE_FALL = NS_PER_MS                # of the minimum
 SHORTEST_BUCKET, LONGEST_BUCKET = NS_PER_S // 20, NS_PER_S // 2
 BUCKET_GROWTH = 0.1                     # of the time since the start
 CLOSE_GAP = 60 * NS_PER_US              # the most by which the minimum may be extrapolated
@@ -79,6 +83,7 @@ class Tracker:
         self._begin = self._latest = self._accepted = 0     # device times
         self._bucket_end = self._lowest_time = 0
         self._lowest = self._second = math.inf
+        self._fall = 0.0                # of the minimum since the last notable fall
         self._late: deque[float] = deque(maxlen=EQUAL_BUCKETS)
 
     def restart(self) -> None:
@@ -136,6 +141,8 @@ class Tracker:
                     self._follow_minimum(kalman, residual)
             else:
                 self._second = residual
+            if self._second < -NOTABLE_FALL and not self._in_first_span:
+                self._close_bucket(kalman, device)
 
     def _start(self, device: int, bound: int) -> None:
         self._filter = OffsetFilter(
@@ -145,12 +152,16 @@ class Tracker:
         self._in_first_span = True
         self._bucket_end = device + FIRST_SPAN
         self._lowest, self._lowest_time = 0.0, device
-        self._second = math.inf
+        self._second, self._fall = math.inf, 0.0
 
     def _follow_minimum(self, kalman: OffsetFilter, residual: float) -> None:
         kalman.set_offset(round(kalman.offset(kalman.time) + residual), FIRST_DEVIATION)
         self._second -= residual
         self._lowest = 0.0
+        self._fall -= residual
+        if self._fall > NOTABLE_FALL:
+            self._fall = 0.0
+            self._bucket_end = max(self._bucket_end, self._lowest_time + READY_AFTER)
 
     def _open_bucket(self, device: int) -> None:
         age = device - self._begin

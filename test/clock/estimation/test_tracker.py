@@ -46,6 +46,16 @@ def test_the_first_half_second_follows_the_minimum():
         900, 700, 700, 300, 300]
 
 
+@pytest.mark.parametrize('fall', [5, 1, 0.3])
+def test_a_backlog_at_the_start_is_followed_to_its_end(fall):
+    """Each sample is a little earlier than the one before, for a second."""
+    delays = [fall * 1000 * (SECOND - index) for index in range(SECOND)]
+    tracker = fed([*delays, 0])
+    assert error(tracker, SECOND) <= 1000
+    fed([0] * 20, 0.0, tracker, SECOND + 1)
+    assert abs(error(tracker, SECOND + 20)) < 20
+
+
 def test_skew_is_estimated():
     """The error is below 0.5 ppm after a minute without noise."""
     assert fed([0] * 60 * SECOND, skew=30e-6).skew == pytest.approx(30e-6, abs=0.5e-6)
@@ -68,6 +78,8 @@ def test_an_early_sample_needs_a_second_one():
 def test_the_estimate_follows_two_early_samples_at_once():
     """All earlier samples were late."""
     tracker = fed([5000] * 20 * SECOND)
+    fed([0] * 2, tracker=tracker, start=20 * SECOND)
+    assert abs(error(tracker, 20 * SECOND + 2)) < 100
     fed([0] * 2 * SECOND, tracker=tracker, start=20 * SECOND)
     assert abs(error(tracker, 22 * SECOND)) < 20
 
