@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 # Tests mostly wait: more of them than cores run at once, those that wait longest first.
-WORKERS ?= 4
+WORKERS ?= 5
 PARALLEL := -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 NOBLE := .venv-noble
 # Tests start hundreds of processes, each of which would compile the package again.
