@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from bahrs_driver.protocol.block_framing import BlockFormat
+from bahrs_driver.protocol.block_format import BlockFormat
 from bahrs_driver.protocol.layout import Layout
 from bahrs_driver.protocol.message import Message
 from bahrs_driver.protocol.message_roles import MessageRoles

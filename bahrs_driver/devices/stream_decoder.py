@@ -5,16 +5,14 @@
 from abc import ABC, abstractmethod
 import argparse
 from collections.abc import Sequence
-from typing import Any, Generic, TYPE_CHECKING, TypeVar
+from typing import Any, Generic, TypeVar
 
 from bahrs_driver.clock import Clock
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.pipeline import Pipeline
+from bahrs_driver.protocol.block_format import BlockFormat
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.message import Message
-
-if TYPE_CHECKING:               # it needs numpy
-    from bahrs_driver.protocol.block_framing import BlockFormat
 
 Settings = TypeVar('Settings', bound=CommonSettings)
 
@@ -52,7 +50,7 @@ class StreamDecoder(ABC, Generic[Settings]):
         """Return detected properties of the protocol, by name."""
         return []
 
-    def block_format(self) -> 'tuple[BlockFormat, dict[bytes, str]] | None':
+    def block_format(self) -> tuple[BlockFormat, dict[bytes, str]] | None:
         """Return the format of frames that can be found in blocks, and message names by header."""
         return None
 

@@ -28,7 +28,6 @@ from bahrs_driver.node.sim_time import keep_host_time
 from bahrs_driver.node.topics import QUEUE_DEPTH, Topics
 from bahrs_driver.pipeline import DecodingFault, Notice, Stamped
 from bahrs_driver.process.fault_log import FaultLog
-from bahrs_driver.ros_layout.serializer import Serializer
 from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.node_settings import NodeSettings
 from bahrs_driver.settings.parameter_node import ParameterNode
@@ -69,8 +68,7 @@ class DriverNode(ParameterNode):
         self._pipeline = parts.pipeline()
         self._reader = PortReader(self._link, self._pipeline, self.faults,
                                   live.requests.lock if live.requests else nullcontext())
-        serializer = Serializer()
-        self._topics = Topics(self, self._spec, settings, parts.converter.select, serializer)
+        self._topics = Topics(self, self._spec, settings, parts.converter.select)
         self._time_task = TimeTask(parts.clock, parts.health.stale)
         self._link_task = self._create_link_task()
         self._updater = self._create_updater(settings)
@@ -81,9 +79,8 @@ class DriverNode(ParameterNode):
         self._nvm_services = self._create_services()
         self._subscribe_to_pulses(parts.pulse_topic)
         self._stopping = threading.Event()
-        for warning in (*node_settings.warnings(), *parts.warnings, serializer.warning()):
-            if warning:
-                self._log.warning(warning)
+        for warning in (*node_settings.warnings(), *parts.warnings, *self._topics.warnings):
+            self._log.warning(warning)
 
     @property
     def threads(self) -> Mapping[str, Callable[[], None]]:

@@ -33,7 +33,7 @@ class Topics:
     """Publishes the values of a device, and counts them by topic."""
 
     def __init__(self, node: Node, spec: AnyDevice, settings: CommonSettings,
-                 select: Callable[[Container[str]], None], serializer: Serializer) -> None:
+                 select: Callable[[Container[str]], None]) -> None:
         """Create the publishers; select is called with the topics in use when they change."""
         self._node = node
         self._gate = SubscriberGate(settings.startup.wait_for_subscribers)
@@ -45,7 +45,8 @@ class Topics:
         self._raw = self.create_publisher(UInt8MultiArray, raw.TOPIC) \
             if settings.publish.raw else None
         self._select = select
-        self._serialize = serializer.serialize
+        serializer = Serializer()
+        self._serialize, self.warnings = serializer.serialize, serializer.warnings()
         self._in_use = frozenset(types)
         self._created_at = time.monotonic()
         self.raw: Publisher | None = None       # if it is set to be published, and in use

@@ -12,30 +12,18 @@ A checksum is linear: it is the XOR of a constant and a number for each two byte
 which depends on their value and place. So a few table lookups check all frames of one size.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
-from bahrs_driver.protocol.framing import Frame, FrameFormat, Framer
+from bahrs_driver.protocol.block_format import BlockFormat, Checksum
+from bahrs_driver.protocol.framing import Frame, Framer
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
-Checksum = Callable[[bytes], bytes]     # of the bytes before it, as it stands in the frame
 
 CHECKSUM_SIZE = 4       # bytes
-
-
-class BlockFormat(FrameFormat, Protocol):
-    """A frame format whose frames end in a checksum of four bytes."""
-
-    @property
-    def single_sizes(self) -> Mapping[bytes, int]:
-        """Sizes of frames by header, for headers with one size."""
-
-    @property
-    def first_checksum(self) -> Checksum:
-        """Checksum that is tried first."""
 
 
 class FrameBlock(NamedTuple):

@@ -156,10 +156,9 @@ def _recording(capture: Capture, batch: Batch, counters: PipelineCounters,
                           period)
 
     def times(messages: Array) -> Array:
-        """Return the times of messages: those of the inertial samples before them."""
         if not len(samples):
             return np.arange(len(messages)) * period * roles.samples_per_navigation
-        # clock.navigation finds the same samples by counters, but one by one: 150 times slower.
+        # Those of the samples before; clock.navigation counts to the same ones, 150 times slower.
         latest = np.searchsorted(samples['offset'], messages['offset']).clip(1) - 1
         return np.asarray(axis.seconds[latest])
 

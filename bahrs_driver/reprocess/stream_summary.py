@@ -7,7 +7,8 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from bahrs_driver.devices.stream_decoder import AnyDecoder
-from bahrs_driver.protocol.block_framing import BlockFormat, BlockFramer, FrameBlock
+from bahrs_driver.protocol.block_format import BlockFormat
+from bahrs_driver.protocol.block_framing import BlockFramer, FrameBlock
 from bahrs_driver.protocol.framing import Frame, FramingCounters
 from bahrs_driver.reprocess.decode import decode_stream
 from bahrs_driver.reprocess.decoding_faults import DecodingFaults

@@ -20,13 +20,13 @@ class Serializer:
         layouts = {kind: layout for kind, layout in LAYOUTS.items() if matches(layout)}
         self._serialize: dict[type, Callable[[Any], bytes]] = {
             kind: layout.serialize for kind, layout in layouts.items()}
-        self.different = [layout.name for kind, layout in LAYOUTS.items() if kind not in layouts]
+        self._different = [layout.name for kind, layout in LAYOUTS.items() if kind not in layouts]
 
-    def warning(self) -> str:
-        """Return a sentence about definitions that differ; empty if none does."""
-        return self.different and (
-            f'{", ".join(self.different)}: the definition differs from that of ROS 2 Jazzy; '
-            'publishing takes more processor time, and new fields keep their defaults') or ''
+    def warnings(self) -> list[str]:
+        """Return a sentence about definitions that differ, if any does."""
+        return [f'{", ".join(self._different)}: the definition differs from that of ROS 2 Jazzy; '
+                'publishing takes more processor time, and new fields keep their defaults'
+                ] if self._different else []
 
     def serialize(self, values: object) -> Any:
         """Return the serialized message of values, or a message object."""

@@ -58,10 +58,9 @@ def _add_device(parser: argparse.ArgumentParser) -> None:
     group.add_argument('--clock-start', type=argument_type(_device_time), default=0, metavar='US',
                        help='device time at power-on, in microseconds (default: 0)')
     group.add_argument('--sync-pulse-rate', type=bounded_float('a rate', 0, 1000), default=0.0,
-                       metavar='HZ',
-                       help='rate of sync pulses, at whole multiples of the period in UNIX '
-                            'time; the device ignores a pulse within 90 ms of the previous one '
-                            '(default: 0, none)')
+                       metavar='HZ', help='rate of sync pulses, at whole multiples of the period '
+                                          'in UNIX time; the device ignores a pulse within 90 ms '
+                                          'of the previous one (default: 0, none)')
     group.add_argument('--debug-rate', type=bounded_float('a rate', 0, 200), default=0.0,
                        metavar='HZ',
                        help='rate of the undocumented messages 0xC0 and 0xC1 (default: 0)')
