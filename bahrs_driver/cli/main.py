@@ -11,7 +11,7 @@ from typing import NoReturn
 
 from bahrs_driver import __version__
 from bahrs_driver.cli.printing import warn
-from bahrs_driver.cli.signals import interrupt_on_signals
+from bahrs_driver.cli.signals import interrupt_on_signals, signals_deferred
 from bahrs_driver.errors import BahrsDriverError, CommandError
 from bahrs_driver.process.exit_timer import exit_after
 from bahrs_driver.process.printable import printable
@@ -126,6 +126,7 @@ def _module(verb: str):  # type: ignore[no-untyped-def]
     if verb in IMPORT_RCLPY:
         check_import()
     try:
-        return import_module(f'bahrs_driver.cli.{verb}')
+        with signals_deferred():
+            return import_module(f'bahrs_driver.cli.{verb}')
     except ImportError as error:
         raise CommandError(missing_module(error)) from error

@@ -22,6 +22,25 @@ def interrupt_on_signals() -> None:
 
 
 @contextlib.contextmanager
+def signals_deferred() -> Iterator[None]:
+    """
+    Raise KeyboardInterrupt for a signal only at the end of the block.
+
+    An import can swallow the exception: raised in a callback of the interpreter, it is printed and
+    ignored.
+    """
+    received = []
+    for kind in handled_signals():
+        signal.signal(kind, lambda number, _: received.append(number))
+    try:
+        yield
+    finally:
+        interrupt_on_signals()
+    if received:
+        raise KeyboardInterrupt
+
+
+@contextlib.contextmanager
 def shutdown_on_signal() -> Iterator[ShutdownEvent]:
     """
     Yield an event that signals set during the block, instead of an interruption.

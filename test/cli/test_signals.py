@@ -7,7 +7,8 @@ import os
 from pathlib import Path
 import signal
 
-from bahrs_driver.process.shutdown_event import handled_signals
+from bahrs_driver.cli.signals import signals_deferred
+from bahrs_driver.process.shutdown_event import handled_signals, HANDLED_SIGNALS
 import pytest
 from support.processes import command, Process, wait_for
 
@@ -77,3 +78,20 @@ def test_a_hang_up_does_not_end_a_process_of_nohup(in_folder, verb):
         os.kill(process.pid, signal.SIGHUP)
         assert process.end(signal.SIGTERM) >= 0
         assert 'Traceback' not in process.text
+
+
+def test_an_import_cannot_swallow_a_signal():
+    """It takes effect at the end of the block, and at once after it."""
+    before = {kind: signal.getsignal(kind) for kind in HANDLED_SIGNALS}
+    finished = []
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            with signals_deferred():
+                signal.raise_signal(signal.SIGINT)
+                finished.append(True)
+        assert finished
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+    finally:
+        for kind, handler in before.items():
+            signal.signal(kind, handler)
