@@ -8,7 +8,7 @@ from pathlib import Path
 import signal
 
 from bahrs_driver.cli.signals import signals_deferred
-from bahrs_driver.process.shutdown_event import handled_signals, HANDLED_SIGNALS
+from bahrs_driver.process.shutdown_event import HANDLED_SIGNALS, handled_signals
 import pytest
 from support.processes import command, Process, wait_for
 
