@@ -151,11 +151,11 @@ class DriverNode(ParameterNode):
 
     def _publish_bytes(self, event: BytesRead) -> None:
         """Publish the bytes of a read if publish.raw is set; check for silence; flush topics."""
-        if self._topics.raw:
+        if publisher := self._topics.raw:
             (data, now), connection = event.reading, event.connection
             metadata = ReadMetadata(self._spec.name, connection.number, connection.byte_time_ns,
                                     now.ros_ns, now.raw_ns)
-            self.faults.survive('publishing raw', self._topics.raw.publish,
+            self.faults.survive('publishing raw', publisher.publish,
                                 raw.message(data, metadata.to_label()))
         self._publish_silence()
         self._topics.flush()
@@ -199,23 +199,24 @@ class DriverNode(ParameterNode):
 
         A timer of the executor would do, but costs ten times as much for each call.
         """
-        report_at = time.monotonic()
+        survive, report_at = self.faults.survive, time.monotonic()
         while not self._stopping.wait(WATCH_PERIOD):
-            self._watch()
+            survive('watching subscribers', self._watch_subscribers)
+            survive('reporting a change', self._diagnostics.report_change)
+            survive('logging problems', self._log_problems)
             if time.monotonic() >= report_at:
                 report_at = time.monotonic() + DIAGNOSTICS_PERIOD
-                self._report()
+                survive('looking for other readers', self._link_task.check_sharing,
+                        time.monotonic())
+                survive('reporting diagnostics', self._diagnostics.report)
 
-    def _report(self) -> None:
-        self._link_task.check_sharing(time.monotonic())
-        self._diagnostics.report()
-
-    def _watch(self) -> None:
-        """Report changes that need no data, and serve slow subscribers."""
+    def _watch_subscribers(self) -> None:
+        """Find out which topics have subscribers, and serve the slow ones."""
         self._topics.refresh()
         if self.executor and self._topics.has_slow_subscribers:
             self.executor.create_task(self._topics.supervise)
-        self._diagnostics.report_change()
+
+    def _log_problems(self) -> None:
         # While the port is closed, its error is already in the log.
         is_open = self._reader.counters.open_since is not None
         self._problems.check(self._updater.summaries() if is_open else {}, time.monotonic())

@@ -10,6 +10,7 @@ discovered meanwhile, finds from the sequence number of its first message how ma
 """
 
 from collections.abc import Callable, Container, Iterable
+import threading
 import time
 
 from bahrs_driver.convert import raw
@@ -48,8 +49,9 @@ class Topics:
         serializer = Serializer()
         self._serialize, self.warnings = serializer.serialize, serializer.warnings()
         self._in_use = frozenset(types)
+        self._refreshing = threading.Lock()
         self._created_at = time.monotonic()
-        self.raw: Publisher | None = None       # if it is set to be published, and in use
+        self.raw = self._raw            # None if it is not in use
         self.counters = PublishingCounters(dict.fromkeys(types, 0))
         self.refresh()
 
@@ -73,12 +75,16 @@ class Topics:
 
     def refresh(self) -> None:
         """Find out which topics have subscribers; call it ten times a second."""
+        with self._refreshing:          # the reading thread calls it once, too
+            self._refresh()
+
+    def _refresh(self) -> None:
         subscribed = {topic for topic, publisher in self._data.items()
                       if publisher.get_subscription_count()}
-        self.raw = self._raw if self._raw and self._raw.get_subscription_count() else None
         self.counters.in_use = subscribed
         if time.monotonic() - self._created_at < DISCOVERY_TIME:
             return
+        self.raw = self._raw if self._raw and self._raw.get_subscription_count() else None
         in_use = frozenset(subscribed.union(self._latched))
         if in_use != self._in_use:
             self._in_use = in_use
