@@ -197,7 +197,7 @@ class DriverNode(ParameterNode):
         """
         Do what needs no data, and report every second.
 
-        A timer of the executor would do, but costs ten times as much for each call.
+        A timer of the executor would do, but took more than twice the processor time.
         """
         survive, report_at = self.faults.survive, time.monotonic()
         while not self._stopping.wait(WATCH_PERIOD):

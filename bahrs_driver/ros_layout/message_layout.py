@@ -7,8 +7,8 @@ ROS serializes messages as CDR, the format of DDS: four bytes that name the enco
 numbers in the order of the definition, each aligned to its own size, counted from the fifth byte.
 A string is its size, including the zero byte at its end, as a uint32, and its bytes. So the only
 thing that moves a field is the size of the strings before it. The strings of a topic hardly ever
-change: one `struct` packs all of its messages, ten times faster than a message object is made and
-serialized. Padding is zero.
+change: one `struct` packs all of its messages, an Imu seven times faster than a message object is
+made and serialized. Padding is zero.
 """
 
 from collections.abc import Iterator

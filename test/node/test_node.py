@@ -6,12 +6,11 @@ import math
 import signal
 import subprocess
 import sys
-from time import sleep, time_ns
+from time import time_ns
 
 from bahrs_driver.bag.read_metadata import parse_label
 from bahrs_driver.convert.bahrs.converter import TOPICS
 from bahrs_driver.convert.raw import TOPIC
-from bahrs_driver.node.topics import DISCOVERY_TIME
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import ANGLE, HEIGHT, Inertial
 from bahrs_driver.protocol.framing import Framer
@@ -61,7 +60,7 @@ def test_topic_is_published_while_it_has_a_subscriber(cable):
     """The others are not even converted; the diagnostics name them."""
     with listening(DIAGNOSTICS) as ear, driver(cable.path), Device(cable):
         assert says(ear, 'Publishing', DiagnosticStatus.OK, 'No topic has a subscriber')
-        sleep(DISCOVERY_TIME + 2.0)
+        assert wait_for(lambda: reports_without_growth(ear, 'imu/data') >= 2)
         published = value(ear, 'imu/data')
         with listening({'imu/data_raw': Imu}) as late:
             received = late.wait('imu/data_raw', 100)
@@ -74,6 +73,13 @@ def test_topic_is_published_while_it_has_a_subscriber(cable):
         assert says(ear, 'Publishing', DiagnosticStatus.OK, 'No topic has a subscriber')
         assert int(value(ear, 'imu/data_raw')) >= int(published) + 100
         assert value(ear, 'imu/data') == published
+
+
+def reports_without_growth(ear, topic):
+    """Return how many of the latest reports, once data was published, show the same count."""
+    counts = [int(pair.value) for array in ear.messages['/diagnostics'] for item in array.status
+              if item.name.endswith('Publishing') for pair in item.values if pair.key == topic]
+    return 0 if not counts or not counts[-1] else counts.count(counts[-1])
 
 
 def value(ear, key):
