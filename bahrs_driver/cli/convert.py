@@ -22,8 +22,9 @@ from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.errors import CaptureError, CommandError, WriteError
 from bahrs_driver.files.new_directory import new_directory
 from bahrs_driver.process.printable import printable
+from bahrs_driver.reprocess.bag_topic_writer import BagTopicWriter
 from bahrs_driver.reprocess.conversion import Conversion, ConversionResult
-from bahrs_driver.reprocess.topic_writers import BagTopicWriter, CsvTopicWriter
+from bahrs_driver.reprocess.csv_topic_writer import CsvTopicWriter
 from bahrs_driver.units import NS_PER_S
 from rich.progress import TaskID
 

@@ -27,7 +27,7 @@ from bahrs_driver.reprocess.decoding_faults import DecodingFaults
 from bahrs_driver.reprocess.device_time_capture import DeviceTimeCapture
 from bahrs_driver.reprocess.ordered_writer import OrderedWriter
 from bahrs_driver.reprocess.replay_diagnostics import ReplayDiagnostics
-from bahrs_driver.reprocess.topic_writers import TopicWriter
+from bahrs_driver.reprocess.topic_writer import TopicWriter
 from bahrs_driver.units import NS_PER_S
 from diagnostic_msgs.msg import DiagnosticArray
 from std_msgs.msg import UInt8MultiArray

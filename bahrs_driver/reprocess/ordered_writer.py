@@ -5,7 +5,7 @@
 import math
 
 from bahrs_driver.bag.reorder_buffer import ReorderBuffer
-from bahrs_driver.reprocess.topic_writers import TopicWriter
+from bahrs_driver.reprocess.topic_writer import TopicWriter
 from bahrs_driver.units import NS_PER_S
 
 LONGEST_DELAY = 10 * NS_PER_S   # from the log time of a message to the read that completes it

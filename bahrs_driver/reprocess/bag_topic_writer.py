@@ -1,0 +1,41 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Write topics into a bag."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from bahrs_driver.bag.bag_writer import BagWriter
+from bahrs_driver.bag.serialization import serialized, type_name
+from bahrs_driver.bag.topics import qos_profile, Topic
+
+QUEUE_DEPTH = 100               # of the node's publishers
+
+
+class BagTopicWriter:
+    """Writes a rosbag2 directory. Relative names of topics are in a namespace."""
+
+    def __init__(self, folder: Path, name: str, namespace: str = '') -> None:
+        """Make a bag whose files have a name; WriteError if that is not possible."""
+        self._bag = BagWriter(folder, name)
+        self._prefix = f"/{namespace.strip('/')}/" if namespace.strip('/') else '/'
+
+    def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
+        """Write names, types and quality of service of all topics."""
+        volatile = qos_profile('keep_last', QUEUE_DEPTH, 'reliable', 'volatile')
+        transient = qos_profile('keep_last', 1, 'reliable', 'transient_local')
+        self._bag.add_topics(
+            Topic(self._name(topic), type_name(kind),
+                  (transient if topic in latched else volatile,))
+            for topic, kind in topics.items())
+
+    def write(self, topic: str, time_ns: int, message: object) -> None:
+        """Store a message with its log time."""
+        self._bag.write(self._name(topic), time_ns, serialized(message))
+
+    def _name(self, topic: str) -> str:
+        return topic if topic.startswith('/') else self._prefix + topic
+
+    def close(self) -> None:
+        """Complete the bag."""
+        self._bag.close()
