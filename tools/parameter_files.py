@@ -15,7 +15,8 @@ FOLDER = Path(__file__).resolve().parents[1] / 'config'
 INDENT = ' ' * 4
 HEADER = """\
 # Parameters of the driver for a {label}. `make docs` generates this file from the code; copy it to
-# change it. A parameter that has no effect beside the others is commented out.
+# change it. A parameter is commented out if it has no effect beside the others, or if its default
+# depends on others or on the launch file.
 #
 # The key /** is for a node of any name in any namespace. Write /left/bahrs_driver for one of
 # several. Give each device a port that survives replugging, such as one of /dev/serial/by-id.
@@ -30,14 +31,14 @@ def parameter_file(spec: AnyDevice) -> str:
     settings = spec.settings().for_file()
     unused = {name for name, _ in settings.unused()}
     return HEADER.format(label=spec.label, name=spec.name) + ''.join(
-        _entry(row, row.name in unused) for row in parameters(settings))
+        _entry(row, row.name not in unused and row.in_file) for row in parameters(settings))
 
 
-def _entry(row: Parameter, is_unused: bool) -> str:
+def _entry(row: Parameter, is_set: bool) -> str:
     comment = textwrap.fill(row.description, 99, initial_indent=INDENT + '# ',
                             subsequent_indent=INDENT + '# ')
     unit = f'    # {row.unit}' if row.unit else ''
-    return f'\n{comment}\n{INDENT}{"# " if is_unused else ""}{row.name}: {_yaml(row)}{unit}\n'
+    return f'\n{comment}\n{INDENT}{"" if is_set else "# "}{row.name}: {_yaml(row)}{unit}\n'
 
 
 def _yaml(row: Parameter) -> str:

@@ -98,7 +98,8 @@ def _default(parameter: Parameter) -> str:
     if isinstance(parameter.default, bool):
         return str(parameter.default).lower()
     unit = parameter.unit and ' ' + parameter.unit
-    return f'`{parameter.default}`{unit}'
+    other = parameter.other_default
+    return f'`{parameter.default}`{unit}' + (f', `{other.default}`' if other else '')
 
 
 def _valid(parameter: Parameter) -> str:

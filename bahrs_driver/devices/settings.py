@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from bahrs_driver.settings.group import DeviceSettings, Group, setting
+from bahrs_driver.settings.parameter import OtherDefault
 
 
 @dataclass(frozen=True)
@@ -103,10 +104,13 @@ class CommonSettings(DeviceSettings):
         115200, 'Speed of the serial line. The line is always 8N1.', 'baud', low=1200,
         high=4000000)
     frame_id: str = setting(
-        'imu_link', 'Frame of the sensor. Body vectors are given in this frame.', is_frame=True)
+        'imu_link', 'Frame of the sensor. Body vectors are given in this frame. The default is '
+        'imu_link_ned if frame_convention is ned.', is_frame=True, in_file=False,
+        other_default=OtherDefault('frame_convention', 'ned', 'imu_link_ned'))
     world_frame_id: str = setting(
-        'map', 'Frame of altitude/pose, velocity and odometry. Its z axis is vertical.',
-        is_frame=True)
+        'odom', 'Frame of altitude/pose, velocity and odometry. Its z axis is vertical. The '
+        'default is map_ned if frame_convention is ned.', is_frame=True, in_file=False,
+        other_default=OtherDefault('frame_convention', 'ned', 'map_ned'))
     frame_convention: Literal['enu', 'ned'] = setting(
         'enu', 'Axes of the published data: enu is forward, left, up for the body and east, '
         'north, up for the world (REP-103); ned is forward, right, down for the body and north, '

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import get_args, TypeVar
 
-from bahrs_driver.settings.parameter import Parameter, Value
+from bahrs_driver.settings.parameter import OtherDefault, Parameter, Value
 
 METADATA_KEY = 'parameter'
 
@@ -46,10 +46,12 @@ class DeviceSettings(Group):
 
 def setting(default: Default, description: str, unit: str = '', *,
             low: float | None = None, high: float | None = None, or_zero: bool = False,
-            read_only: bool = True, is_frame: bool = False) -> Default:
+            read_only: bool = True, is_frame: bool = False,
+            other_default: OtherDefault | None = None, in_file: bool = True) -> Default:
     """Declare a setting as a field of a Group; see Parameter for the arguments."""
     row = Parameter('', default, description, unit, low, high, or_zero,
-                    read_only=read_only, is_frame=is_frame)
+                    read_only=read_only, is_frame=is_frame, other_default=other_default,
+                    in_file=in_file)
     return field(default=default, metadata={METADATA_KEY: row})
 
 

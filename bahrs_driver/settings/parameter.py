@@ -4,6 +4,7 @@
 
 from dataclasses import dataclass
 import math
+from typing import NamedTuple
 
 from bahrs_driver.errors import ParameterError
 from bahrs_driver.process.printable import printable
@@ -14,6 +15,14 @@ LONGEST_VALUE = 80          # characters of a value in a message
 
 _TYPE_NAMES = {bool: 'true or false', int: 'a whole number', float: 'a decimal number',
                str: 'a text'}
+
+
+class OtherDefault(NamedTuple):
+    """The default of a parameter if another parameter has a certain value."""
+
+    parameter: str
+    value: Value
+    default: Value
 
 
 @dataclass(frozen=True)
@@ -30,6 +39,9 @@ class Parameter:
     choices: tuple[str, ...] = ()
     read_only: bool = True          # or a service reads it when it is called
     is_frame: bool = False          # a frame id of tf2
+    other_default: OtherDefault | None = None
+    # Commented out in the files in config/, because the default depends on something else.
+    in_file: bool = True
 
     @property
     def valid(self) -> str:

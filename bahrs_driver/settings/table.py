@@ -45,8 +45,13 @@ class ParameterTable(Generic[Settings]):
 
     def values(self, given: Mapping[str, object]) -> dict[str, Value]:
         """Return the value of every parameter; ParameterError if a given one is invalid."""
-        return {row.name: row.convert(given[row.name]) if row.name in given else row.default
-                for row in self}
+        values = {row.name: row.convert(given[row.name]) if row.name in given else row.default
+                  for row in self}
+        for row in self:
+            other = row.other_default
+            if other and row.name not in given and values[other.parameter] == other.value:
+                values[row.name] = other.default
+        return values
 
     def settings(self, values: Mapping[str, Value]) -> tuple[str, Settings]:
         """Return the name and the settings of the device that the values select."""

@@ -70,7 +70,7 @@ def test_mypy_checks_settings(tmp_path, expression, error):
     ('frame_id', '', "parameter frame_id is '': it must be the name of a frame without blanks, "
                      "such as 'imu_link'"),
     ('world_frame_id', '//', "parameter world_frame_id is '//': it must be the name of a frame "
-                             "without blanks, such as 'map'"),
+                             "without blanks, such as 'odom'"),
     ('port', ' ', "parameter port is ' ': it must be a text such as '/dev/ttyUSB0'"),
     ('stddev.velocity', 10 ** 400, 'parameter stddev.velocity is ' + '1' + '0' * 78 + '…: it must '
                                    'be a decimal number from 0.0 to 100.0 m/s'),
@@ -85,6 +85,17 @@ def test_a_bad_value_gives_one_sentence(name, value, sentence):
     with pytest.raises(ParameterError) as caught:
         BY_NAME[name].convert(value)
     assert str(caught.value) == sentence
+
+
+@pytest.mark.parametrize('given, frames', [
+    ({}, ('imu_link', 'odom')),
+    ({'frame_convention': 'ned'}, ('imu_link_ned', 'map_ned')),
+    ({'frame_convention': 'ned', 'frame_id': 'imu_link'}, ('imu_link', 'map_ned')),
+    ({'frame_convention': 'ned', 'world_frame_id': 'odom'}, ('imu_link_ned', 'odom'))])
+def test_default_frames_have_the_axes_of_the_convention(given, frames):
+    """A frame that is given stays."""
+    values = parameter_table().values(given)
+    assert (values['frame_id'], values['world_frame_id']) == frames
 
 
 @pytest.mark.parametrize('value', ['nan', float('nan')])
