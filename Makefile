@@ -22,7 +22,7 @@ help:
 	@echo '              PYTHON=python3.12 for its Python, too'
 	@echo 'make lint     linters only'
 	@echo 'make bench    what a frame costs, with its floor'
-	@echo 'make bench-node   processor time and latency of the node beside a bare publisher'
+	@echo 'make bench-node   processor time and latency of the node, and a saturated line'
 	@echo 'make bench-clock   how far stamps are from the truth; twenty minutes'
 	@echo 'make bench-exits   how long the node takes to end after a signal; fifteen minutes'
 	@echo 'make docs     generate the tables of the README and the parameter files'
@@ -70,6 +70,7 @@ bench: $(READY)
 bench-node: $(READY)
 	PYTHONPATH=bench:test $(BIN)/python bench/node_cpu.py
 	PYTHONPATH=bench:test $(BIN)/python bench/latency.py
+	PYTHONPATH=bench:test $(BIN)/python bench/saturation.py
 
 bench-exits: $(READY)
 	PYTHONPATH=bench:test $(BIN)/python bench/exits.py

@@ -39,9 +39,9 @@ def share(process: Process, duration: float) -> float:
 
 
 @contextlib.contextmanager
-def script(name: str):
+def script(name: str, *words: str):
     """Run a module of this directory in a process."""
-    process = Process([sys.executable, str(HERE / f'{name}.py')])
+    process = Process([sys.executable, str(HERE / f'{name}.py'), *words])
     try:
         yield process
     finally:

@@ -25,7 +25,7 @@ from bahrs_driver.errors import ParameterError
 from bahrs_driver.node.diagnostics_publisher import DiagnosticsPublisher, TOPIC
 from bahrs_driver.node.nvm_services import NvmServices
 from bahrs_driver.node.sim_time import keep_host_time
-from bahrs_driver.node.topics import QUEUE_DEPTH, Topics
+from bahrs_driver.node.topics import LEAST_QUEUE_DEPTH, Topics
 from bahrs_driver.pipeline import DecodingFault, Notice, Stamped
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.settings.command_line import RosArguments
@@ -228,7 +228,7 @@ class DriverNode(ParameterNode):
             # A reliable subscription would receive nothing from a best-effort publisher.
             self.create_subscription(
                 TimeReference, topic, self._on_pulse_reference,
-                QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT),
+                QoSProfile(depth=LEAST_QUEUE_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT),
                 qos_overriding_options=QoSOverridingOptions.with_default_policies())
         except NameValidationException as error:
             raise ParameterError(

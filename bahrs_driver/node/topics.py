@@ -20,14 +20,22 @@ from bahrs_driver.diagnostics.publishing_task import PublishingCounters
 from bahrs_driver.node.latched_publisher import create_latched
 from bahrs_driver.node.subscriber_gate import SubscriberGate, Write
 from bahrs_driver.ros_layout.serializer import Serializer
+from bahrs_driver.units import BITS_PER_BYTE
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import UInt8MultiArray
 
-QUEUE_DEPTH = 100               # half a second of the fastest topic
+LEAST_QUEUE_DEPTH = 100
+QUEUE_SPAN = 1.0                # s that a subscriber may pause while the line is full
+FRAME_SIZE = 28                 # bytes of a sample, the frame that can come most often
 DISCOVERY_TIME = 5.0            # s in which subscribers that were started first are discovered
+
+
+def queue_depth(baud_rate: int) -> int:
+    """Return how many messages a publisher keeps for a reliable subscriber that pauses."""
+    return max(LEAST_QUEUE_DEPTH, round(QUEUE_SPAN * baud_rate / BITS_PER_BYTE / FRAME_SIZE))
 
 
 class Topics:
@@ -38,6 +46,7 @@ class Topics:
         """Create the publishers; select is called with the topics in use when they change."""
         self._node = node
         self._gate = SubscriberGate(settings.startup.wait_for_subscribers)
+        self._queue_depth = queue_depth(settings.baud_rate)
         types = spec.topics()
         self._latched = {topic: create_latched(node, kind, topic, self.create_publisher)
                          for topic, kind in types.items() if topic in spec.latched()}
@@ -59,7 +68,7 @@ class Topics:
                          profile: QoSProfile | None = None) -> Publisher:
         """Create a publisher whose quality of service the user can override."""
         return self._node.create_publisher(
-            kind, topic, profile or QoSProfile(depth=QUEUE_DEPTH),
+            kind, topic, profile or QoSProfile(depth=self._queue_depth),
             event_callbacks=self._gate.callbacks(),
             qos_overriding_options=QoSOverridingOptions.with_default_policies())
 

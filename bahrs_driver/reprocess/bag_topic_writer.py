@@ -9,7 +9,7 @@ from bahrs_driver.bag.bag_writer import BagWriter
 from bahrs_driver.bag.serialization import serialized, type_name
 from bahrs_driver.bag.topics import qos_profile, Topic
 
-QUEUE_DEPTH = 100               # of the node's publishers
+QUEUE_DEPTH = 100               # of a publisher that plays the bag
 
 
 class BagTopicWriter:

@@ -1,0 +1,78 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A reliable subscriber that counts the samples of `line_writer` by their numbers.
+
+It prints a line of JSON with the counts at each report of the driver: its own, and those of the
+diagnostics.
+"""
+
+import json
+import struct
+import sys
+import time
+
+from bahrs_driver.process.shutdown_event import ShutdownEvent
+from diagnostic_msgs.msg import DiagnosticArray
+from line_writer import number_of
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import Imu
+
+DEPTH = 5000                # this queue shall not be the one that overflows
+FORCE = struct.Struct('<2d')
+FORCE_FROM_END = 8 * (3 + 9)    # force and its covariance end a serialised Imu message
+
+
+class Counter:
+    """Counts samples, and the gaps in their numbers."""
+
+    def __init__(self) -> None:
+        self.received = self.lost = 0
+        self.next = 0
+        self.longest = 0.0          # s without a sample
+        self._latest: float | None = None
+
+    def add(self, data: bytes) -> None:
+        """Count a serialised Imu message."""
+        number = number_of(*FORCE.unpack_from(data, len(data) - FORCE_FROM_END))
+        self.received += 1
+        self.lost += number - self.next
+        self.next = number + 1
+        now = time.monotonic()
+        if self._latest is not None:
+            self.longest = max(self.longest, now - self._latest)
+        self._latest = now
+
+
+def report(counter: Counter, array: DiagnosticArray) -> None:
+    """Print the counts."""
+    values = {f'{status.name.split(": ")[-1]} {pair.key}': pair.value
+              for status in array.status for pair in status.values}
+    messages = {status.name.split(': ')[-1]: status.message for status in array.status}
+    print(json.dumps({'received': counter.received, 'lost': counter.lost, 'next': counter.next,
+                      'longest_ms': round(1e3 * counter.longest), 'diagnostics': values,
+                      'messages': messages}),
+          flush=True)
+
+
+def main() -> None:
+    """Subscribe until a signal comes."""
+    shutdown = ShutdownEvent()
+    shutdown.install_signal_handlers()
+    rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
+    node, counter = rclpy.create_node('numbered'), Counter()
+    node.create_subscription(Imu, 'imu/data_raw', counter.add, DEPTH, raw=True)
+    node.create_subscription(DiagnosticArray, '/diagnostics',
+                             lambda array: report(counter, array), 10)
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    print('ready', flush=True)
+    while not shutdown.is_set():
+        executor.spin_once(0.1)
+    rclpy.shutdown()
+
+
+if __name__ == '__main__':
+    main()
