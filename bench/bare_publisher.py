@@ -13,6 +13,7 @@ from typing import Any
 
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.process.shutdown_event import ShutdownEvent
+from bahrs_driver.ros_layout.message_objects import message_type
 import rclpy
 from rclpy.publisher import Publisher
 from rclpy.signals import SignalHandlerOptions
@@ -30,7 +31,7 @@ def main() -> None:
     shutdown.install_signal_handlers()
     rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node('bare')
-    types = DEVICES['bahrs'].topics()
+    types = {topic: message_type(kind) for topic, kind in DEVICES['bahrs'].topics().items()}
     publishers = [(every, node.create_publisher(types[topic], topic, 100), types[topic]())
                   for topic, every in EVERY.items()]
     print('ready', flush=True)

@@ -5,9 +5,10 @@
 import sys
 import time
 
+from bahrs_driver.convert.values import DiagnosticArray
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.process.shutdown_event import ShutdownEvent
-from diagnostic_msgs.msg import DiagnosticArray
+from bahrs_driver.ros_layout.message_objects import message_type
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
@@ -27,7 +28,8 @@ def main() -> None:
         counts[topic] += 1
 
     for topic, kind in TOPICS.items():
-        node.create_subscription(kind, topic, lambda _, topic=topic: count(topic), 100, raw=True)
+        node.create_subscription(
+            message_type(kind), topic, lambda _, topic=topic: count(topic), 100, raw=True)
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     shown = 0.0

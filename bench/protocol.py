@@ -28,7 +28,7 @@ from bahrs_driver.protocol.batch import Batch
 from bahrs_driver.protocol.block_framing import BlockFramer, FrameBlock
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.integrity import Integrity
-from bahrs_driver.ros_layout.layouts import LAYOUTS
+from bahrs_driver.ros_layout.layouts import serialize
 from bahrs_driver.units import NS_PER_S
 
 SECONDS = 60            # of the device's stream
@@ -124,11 +124,10 @@ def main() -> None:
         for kind in (Inertial, Navigation, InertialTime, Accuracy):
             whole.take(kind)
 
-    def serialize() -> None:
+    def convert_and_serialize() -> None:
         for index, message in enumerate(messages):
             for _, values in parts.converter.convert(message, index):
-                if layout := LAYOUTS.get(type(values)):
-                    layout.serialize(values)
+                serialize(values)
 
     rows = [
         ('floor', base),
@@ -140,7 +139,7 @@ def main() -> None:
         ('decoding all at once', best(batch, count)),
         ('framing and decoding blocks', best(blocks, count)),
         ('converting to values', best(convert, count)),
-        ('converting and serializing', best(serialize, count)),
+        ('converting and serializing', best(convert_and_serialize, count)),
         ('emulating the device', best(emulate, count)),
     ]
     rate = count / SECONDS

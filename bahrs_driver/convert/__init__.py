@@ -1,8 +1,8 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Convert device messages to ROS messages.
+Convert device messages to values of ROS messages, without ROS.
 
-Axes, atmosphere and covariance are plain arithmetic; one package for each device builds messages
-from their results.
+Axes, atmosphere and covariance are plain arithmetic; one package for each device makes values from
+their results.
 """

@@ -12,14 +12,15 @@ not checked: the altitude of `pressure_altitude` has no latitude and longitude, 
 from collections.abc import Iterator
 from math import isnan
 
-from bahrs_driver.convert.outgoing import Outgoing
-from bahrs_driver.convert.values import NavSatFix
+from bahrs_driver.convert.outgoing import Outgoing, Values
+from bahrs_driver.convert.values import DiagnosticArray, NavSatFix
+
+_NOT_CHECKED = NavSatFix, DiagnosticArray
 
 
-def complete(values: object) -> bool:
-    """Return whether no number is NaN; a message object is complete."""
-    return not isinstance(values, tuple) or isinstance(values, NavSatFix) \
-        or not any(map(isnan, _numbers(values)))
+def complete(values: Values) -> bool:
+    """Return whether no number is NaN."""
+    return isinstance(values, _NOT_CHECKED) or not any(map(isnan, _numbers(values)))
 
 
 def without_incomplete(outgoing: Outgoing) -> Outgoing:
@@ -27,7 +28,7 @@ def without_incomplete(outgoing: Outgoing) -> Outgoing:
     return (pair for pair in outgoing if complete(pair[1]))
 
 
-def _numbers(values: tuple[object, ...]) -> Iterator[float]:
+def _numbers(values: Values) -> Iterator[float]:
     for value in values:
         if isinstance(value, float):
             yield value

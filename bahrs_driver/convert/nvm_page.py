@@ -8,11 +8,11 @@ page, such as page=7, and its size is that of the page.
 """
 
 from bahrs_driver.convert import raw
-from std_msgs.msg import UInt8MultiArray
+from bahrs_driver.convert.values import UInt8MultiArray
 
 TOPIC = 'nvm/page'
 
 
 def message(number: int, page: bytes) -> UInt8MultiArray:
-    """Return the message that carries a page."""
+    """Return the values that carry a page."""
     return raw.message(page, f'page={number}')

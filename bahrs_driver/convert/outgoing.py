@@ -3,9 +3,10 @@
 """What a converter returns, and which topics it converts for."""
 
 from collections.abc import Container, Iterator
+from typing import Any
 
-# Topic, and values of convert.values or a message object.
-Outgoing = Iterator[tuple[str, object]]
+Values = tuple[Any, ...]                        # of convert.values
+Outgoing = Iterator[tuple[str, Values]]         # topics with their values
 
 
 class AllTopics(Container[str]):

@@ -2,9 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The topic `raw`: the bytes of each read."""
 
-from array import array
-
-from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt8MultiArray
+from bahrs_driver.convert.values import MultiArrayDimension, UInt8MultiArray
 
 TOPIC = 'raw'
 
@@ -12,5 +10,4 @@ TOPIC = 'raw'
 def message(data: bytes, label: str) -> UInt8MultiArray:
     """Return the bytes of one read with a label."""
     size = len(data)
-    dimension = MultiArrayDimension(label=label, size=size, stride=size)
-    return UInt8MultiArray(layout=MultiArrayLayout(dim=[dimension]), data=array('B', data))
+    return UInt8MultiArray((MultiArrayDimension(label, size, size),), 0, data)

@@ -22,6 +22,7 @@ _ORIGIN: Vector = (0.0, 0.0, 0.0)
 _NO_TURN = (0.0, 0.0, 0.0, 1.0)         # (x, y, z, w)
 _Z = 2
 _NO_FIX, _FIX, _GPS = -1, 0, 1          # NavSatStatus.STATUS_* and SERVICE_GPS
+OK, WARN, ERROR, STALE = b'\0', b'\1', b'\2', b'\3'     # DiagnosticStatus.*
 # NavSatFix.COVARIANCE_TYPE_*
 _UNKNOWN_TYPE, _APPROXIMATED, _DIAGONAL_KNOWN = 0, 1, 2
 
@@ -129,6 +130,47 @@ class Float64(NamedTuple):
     """std_msgs/Float64."""
 
     data: float
+
+
+class KeyValue(NamedTuple):
+    """diagnostic_msgs/KeyValue."""
+
+    key: str
+    value: str
+
+
+class DiagnosticStatus(NamedTuple):
+    """diagnostic_msgs/DiagnosticStatus: the level is OK, WARN, ERROR or STALE."""
+
+    level: bytes
+    name: str
+    message: str
+    hardware_id: str
+    values: tuple[KeyValue, ...] = ()
+
+
+class DiagnosticArray(NamedTuple):
+    """diagnostic_msgs/DiagnosticArray."""
+
+    stamp_ns: int
+    frame_id: str
+    status: tuple[DiagnosticStatus, ...]
+
+
+class MultiArrayDimension(NamedTuple):
+    """std_msgs/MultiArrayDimension: sizes are in elements."""
+
+    label: str
+    size: int
+    stride: int
+
+
+class UInt8MultiArray(NamedTuple):
+    """std_msgs/UInt8MultiArray, whose dimensions are those of its layout."""
+
+    dim: tuple[MultiArrayDimension, ...]
+    data_offset: int
+    data: bytes
 
 
 def imu(stamp_ns: int, frame_id: str, orientation: Quaternion | None,

@@ -12,6 +12,7 @@ from typing import TypeVar
 
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.ros.node_names import full_name, NodeChoice, Selection, split_name, USUAL_NAME
+from bahrs_driver.ros_layout.layouts import type_name
 from rclpy.node import Node
 
 LOOK_PERIOD = 0.2           # s between queries of nodes with other names, which take longer
@@ -20,13 +21,9 @@ SELF_TEST = 'diagnostic_msgs/srv/SelfTest'
 Item = TypeVar('Item')
 
 
-def _type_name(kind: type) -> str:
-    return f"{kind.__module__.partition('.')[0]}/msg/{kind.__name__}"
-
-
 def _is_published_by_a_driver(types: set[str]) -> bool:
     """Return whether the types of some topics include all those of one device."""
-    return any(set(map(_type_name, spec.topics().values())) <= types for spec in DEVICES.values())
+    return any(set(map(type_name, spec.topics().values())) <= types for spec in DEVICES.values())
 
 
 def node_names(node: Node) -> list[str]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 from bahrs_driver.clock import Clock
-from bahrs_driver.convert.outgoing import Outgoing
+from bahrs_driver.convert.outgoing import Outgoing, Values
 from bahrs_driver.devices.nvm_reader import NvmReader
 from bahrs_driver.diagnostics.stream_health import StreamHealth
 from bahrs_driver.diagnostics.task import DiagnosticTask
@@ -25,11 +25,7 @@ from bahrs_driver.transport.request_loop import RequestLoop
 
 
 class Converter(Protocol):
-    """
-    Converts device messages to what is published on topics.
-
-    That is values of `convert.values`, which are fast to serialize, or message objects of ROS.
-    """
+    """Converts device messages to values of `convert.values`, which are published on topics."""
 
     def convert(self, message: Message, stamp_ns: int) -> Outgoing:
         """Convert a device message to values, each with its topic."""
@@ -38,11 +34,11 @@ class Converter(Protocol):
         """Convert only for these topics from now on; the others have no subscriber."""
 
     def end_stream(self, _stamp_ns: int) -> Outgoing:
-        """Forget the stream, and return messages that report its end."""
+        """Forget the stream, and return values that report its end."""
         return iter(())
 
     def report_silence(self, _stamp_ns: int) -> Outgoing:
-        """Return messages that report a pause of the stream."""
+        """Return values that report a pause of the stream."""
         return iter(())
 
 
@@ -59,7 +55,7 @@ def _no_live_part(_link: Link) -> LivePart:
     return LivePart()
 
 
-def _no_messages(_message: Message) -> Iterable[tuple[str, object]]:
+def _no_messages(_message: Message) -> Iterable[tuple[str, Values]]:
     return ()
 
 
@@ -82,7 +78,7 @@ class Parts:
     pulse_topic: str = ''                           # with the times of sync pulses, if any
     # Topics that services of the node publish, regenerated from a recording.
     service_topics: Mapping[str, type] = field(default_factory=dict)
-    service_messages: Callable[[Message], Iterable[tuple[str, object]]] = _no_messages
+    service_messages: Callable[[Message], Iterable[tuple[str, Values]]] = _no_messages
 
     def pipeline(self, clock: Clock | None = None) -> Pipeline:
         """Return the pipeline of the stream, by default with the clock of the parts."""

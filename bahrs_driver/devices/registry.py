@@ -27,7 +27,7 @@ def examples(verb: str) -> str:
 
 
 def all_topics() -> dict[str, type]:
-    """Return the message type of each topic of any device."""
+    """Return the class of the values of each topic of any device."""
     return {topic: kind for spec in DEVICES.values() for topic, kind in spec.topics().items()}
 
 

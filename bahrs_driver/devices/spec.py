@@ -3,8 +3,8 @@
 """
 The specification of a kind of device.
 
-docs/adding-a-device.md adds a device step by step. A method imports ROS only if it returns
-something of ROS: `bahrs decode` and `bahrs emulate` work without it.
+docs/adding-a-device.md adds a device step by step. A specification imports no ROS: `bahrs decode`,
+`bahrs emulate` and bahrs_driver.read() work without it.
 """
 
 from abc import ABC, abstractmethod
@@ -60,7 +60,7 @@ class DeviceSpec(ABC, Generic[Settings]):
 
     @abstractmethod
     def topics(self) -> Mapping[str, type]:
-        """Return the message type of each topic."""
+        """Return the class of the values of each topic, of `convert.values`."""
 
     def describe(self, _frame_format: Any) -> str:
         """Return the label, with properties that the format has detected in frames."""

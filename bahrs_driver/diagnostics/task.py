@@ -5,10 +5,9 @@
 from collections.abc import Callable, Mapping
 from typing import NamedTuple, Protocol
 
-from diagnostic_msgs.msg import DiagnosticStatus
+from bahrs_driver.convert import values
 
-OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
-ERROR, STALE = DiagnosticStatus.ERROR, DiagnosticStatus.STALE
+OK, WARN, ERROR, STALE = values.OK, values.WARN, values.ERROR, values.STALE
 # Returns whether the stream has stopped, at a time of time.monotonic().
 Staleness = Callable[[float], bool]
 

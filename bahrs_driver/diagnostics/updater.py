@@ -12,10 +12,10 @@ import re
 import threading
 import time
 
+from bahrs_driver.convert.values import DiagnosticStatus, KeyValue
 from bahrs_driver.diagnostics.names import status_name
 from bahrs_driver.diagnostics.task import DiagnosticTask, ERROR, Status, Summary, Template
 from bahrs_driver.process.fault_log import FaultLog
-from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
 MIN_INTERVAL = 0.05         # s from one report to the next
 TASK_FAILED = Template(ERROR, 'This check failed and its state is unknown: please report the '
@@ -72,17 +72,16 @@ class Updater:
             return {name: Summary(status.level, status.message)
                     for name, status in statuses.items()}
 
-    def statuses(self) -> list[DiagnosticStatus]:
+    def statuses(self) -> tuple[DiagnosticStatus, ...]:
         """Return the present level, message and values of each task."""
         with self._lock:
             now = self._clock()
             statuses = [(task.name, self._run(task, now)) for task in self._tasks]
             self._reported = [_without_numbers(status) for _, status in statuses]
             self._reported_at = self._evaluated_at = now
-            return [DiagnosticStatus(
-                level=status.level, name=status_name(self._node_label, name),
-                message=status.message, hardware_id=self.hardware_id,
-                values=self._values(name, status)) for name, status in statuses]
+            return tuple(DiagnosticStatus(
+                status.level, status_name(self._node_label, name), status.message,
+                self.hardware_id, self._values(name, status)) for name, status in statuses)
 
     def _run(self, task: DiagnosticTask, now: float) -> Status:
         status = Status(now)
@@ -94,14 +93,14 @@ class Updater:
             self._faults.report(f'evaluating the diagnostics of {task.name}', error)
             return status.summary(TASK_FAILED)
 
-    def _values(self, name: str, status: Status) -> list[KeyValue]:
+    def _values(self, name: str, status: Status) -> tuple[KeyValue, ...]:
         try:
-            return [KeyValue(key=key, value=value) for key, value in status.values().items()]
+            return tuple(KeyValue(*pair) for pair in status.values().items())
         except Exception as error:
             if self._faults is None:
                 raise
             self._faults.report(f'collecting the values of {name}', error)
-            return []
+            return ()
 
 
 def _without_numbers(status: Status) -> Summary:

@@ -20,6 +20,7 @@ from bahrs_driver.monitor.topic_stats import TopicStats
 from bahrs_driver.monitor.values import Attitude, attitude, attitude_text, FORMATS, vertical_force
 from bahrs_driver.process.printable import printable
 from bahrs_driver.ros.node_names import full_name, NodeChoice, ROOT, Selection, split_name
+from bahrs_driver.ros_layout.message_objects import message_type
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -43,7 +44,8 @@ class Watch:
     """Subscribes to the topics of one driver, and to all diagnostics to find it."""
 
     def __init__(self, node: Node, selection: Selection = Selection()) -> None:
-        self._topics, self._latched = all_topics(), all_latched()
+        self._topics = {topic: message_type(kind) for topic, kind in all_topics().items()}
+        self._latched = all_latched()
         self._formats = {**all_formats(), **FORMATS}
         self.stats = {topic: TopicStats() for topic in self._topics}
         self.choice = NodeChoice(selection)

@@ -6,12 +6,11 @@ from collections.abc import Callable
 from threading import Lock
 import time
 
+from bahrs_driver.convert.values import DiagnosticArray
 from bahrs_driver.diagnostics.self_test import answer
 from bahrs_driver.diagnostics.updater import Updater
-from diagnostic_msgs.msg import DiagnosticArray
 from diagnostic_msgs.srv import SelfTest
 from rclpy.publisher import Publisher
-from rclpy.time import Time
 
 TOPIC = '/diagnostics'
 
@@ -20,9 +19,11 @@ class DiagnosticsPublisher:
     """Publishes the reports of an updater, from any thread."""
 
     def __init__(self, updater: Updater, publisher: Publisher,
+                 serialize: Callable[[DiagnosticArray], object],
                  device_id: Callable[[], str]) -> None:
         self._updater = updater
         self._publisher = publisher
+        self._serialize = serialize
         self._device_id = device_id
         self._lock = Lock()         # or an older report could overtake a newer one
 
@@ -45,6 +46,5 @@ class DiagnosticsPublisher:
                       response)
 
     def _publish(self) -> None:
-        array = DiagnosticArray(status=self._updater.statuses())
-        array.header.stamp = Time(nanoseconds=time.time_ns()).to_msg()
-        self._publisher.publish(array)
+        self._publisher.publish(self._serialize(
+            DiagnosticArray(time.time_ns(), '', self._updater.statuses())))

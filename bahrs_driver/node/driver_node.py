@@ -10,7 +10,6 @@ import time
 
 from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.convert import raw
-from bahrs_driver.convert.header import nanoseconds
 from bahrs_driver.devices.registry import DEVICES, parameter_table, recognize
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.diagnostics.framing_task import FramingTask
@@ -28,6 +27,7 @@ from bahrs_driver.node.sim_time import keep_host_time
 from bahrs_driver.node.topics import LEAST_QUEUE_DEPTH, Topics
 from bahrs_driver.pipeline import DecodingFault, Notice, Stamped
 from bahrs_driver.process.fault_log import FaultLog
+from bahrs_driver.ros.header import nanoseconds
 from bahrs_driver.settings.command_line import RosArguments
 from bahrs_driver.settings.node_settings import NodeSettings
 from bahrs_driver.settings.parameter_node import ParameterNode
@@ -75,7 +75,7 @@ class DriverNode(ParameterNode):
         self._problems = self._create_problem_log()
         self._diagnostics = DiagnosticsPublisher(
             self._updater, self._topics.create_publisher(DiagnosticArray, TOPIC),
-            parts.health.device_id)
+            self._topics.serialize, parts.health.device_id)
         self._nvm_services = self._create_services()
         self._subscribe_to_pulses(parts.pulse_topic)
         self._stopping = threading.Event()
@@ -155,8 +155,9 @@ class DriverNode(ParameterNode):
             (data, now), connection = event.reading, event.connection
             metadata = ReadMetadata(self._spec.name, connection.number, connection.byte_time_ns,
                                     now.ros_ns, now.raw_ns)
+            message = raw.message(data, metadata.to_label())
             self.faults.survive('publishing raw', publisher.publish,
-                                raw.message(data, metadata.to_label()))
+                                self._topics.serialize(message))
         self._publish_silence()
         self._topics.flush()
 

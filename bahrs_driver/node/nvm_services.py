@@ -19,6 +19,7 @@ from bahrs_driver.devices.nvm_settings import NvmSettings
 from bahrs_driver.errors import NvmError, WriteError
 from bahrs_driver.node.nvm_dump import dump_file
 from bahrs_driver.process.fault_log import FaultLog
+from bahrs_driver.ros_layout.message_objects import to_message
 from bahrs_driver.settings.node_settings import read_group
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
@@ -114,7 +115,7 @@ class NvmServices:
         return b''.join(pages[number] for number in numbers)
 
     def _publish(self, number: int, page: bytes) -> None:
-        self._pages.publish(nvm_page.message(number, page))
+        self._pages.publish(to_message(nvm_page.message(number, page)))
 
     def _settings(self) -> NvmSettings:
         return read_group(self._node, NvmSettings, 'nvm.')

@@ -14,11 +14,13 @@ import threading
 import time
 
 from bahrs_driver.convert import raw
+from bahrs_driver.convert.outgoing import Values
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.spec import AnyDevice
 from bahrs_driver.diagnostics.publishing_task import PublishingCounters
 from bahrs_driver.node.latched_publisher import create_latched
 from bahrs_driver.node.subscriber_gate import SubscriberGate, Write
+from bahrs_driver.ros_layout.message_objects import message_type
 from bahrs_driver.ros_layout.serializer import Serializer
 from bahrs_driver.units import BITS_PER_BYTE
 from rclpy.node import Node
@@ -47,7 +49,7 @@ class Topics:
         self._node = node
         self._gate = SubscriberGate(settings.startup.wait_for_subscribers)
         self._queue_depth = queue_depth(settings.baud_rate)
-        types = spec.topics()
+        types = {topic: message_type(kind) for topic, kind in spec.topics().items()}
         self._latched = {topic: create_latched(node, kind, topic, self.create_publisher)
                          for topic, kind in types.items() if topic in spec.latched()}
         self._data = {topic: self._latched.get(topic) or self.create_publisher(kind, topic)
@@ -56,7 +58,7 @@ class Topics:
             if settings.publish.raw else None
         self._select = select
         serializer = Serializer()
-        self._serialize, self.warnings = serializer.serialize, serializer.warnings()
+        self.serialize, self.warnings = serializer.serialize, serializer.warnings()
         self._in_use = frozenset(types)
         self._refreshing = threading.Lock()
         self._created_at = time.monotonic()
@@ -99,12 +101,12 @@ class Topics:
             self._in_use = in_use
             self._select(in_use)
 
-    def publish(self, outgoing: Iterable[tuple[str, object]]) -> None:
-        """Publish values or message objects on their topics, if they are in use."""
+    def publish(self, outgoing: Iterable[tuple[str, Values]]) -> None:
+        """Publish values on their topics, if they are in use."""
         in_use, counts = self._in_use, self.counters.messages
         for topic, values in outgoing:
             if topic in in_use:
-                self._data[topic].publish(self._serialize(values))
+                self._data[topic].publish(self.serialize(values))
                 counts[topic] += 1
 
     def flush(self) -> None:

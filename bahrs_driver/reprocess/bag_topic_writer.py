@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from bahrs_driver.bag.bag_writer import BagWriter
-from bahrs_driver.bag.serialization import serialized, type_name
 from bahrs_driver.bag.topics import qos_profile, Topic
+from bahrs_driver.convert.outgoing import Values
+from bahrs_driver.ros_layout.layouts import serialize, type_name
 
 QUEUE_DEPTH = 100               # of a publisher that plays the bag
 
@@ -29,9 +30,9 @@ class BagTopicWriter:
                   (transient if topic in latched else volatile,))
             for topic, kind in topics.items())
 
-    def write(self, topic: str, time_ns: int, message: object) -> None:
+    def write(self, topic: str, time_ns: int, values: Values) -> None:
         """Store a message with its log time."""
-        self._bag.write(self._name(topic), time_ns, serialized(message))
+        self._bag.write(self._name(topic), time_ns, serialize(values))
 
     def _name(self, topic: str) -> str:
         return topic if topic.startswith('/') else self._prefix + topic

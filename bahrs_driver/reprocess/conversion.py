@@ -18,6 +18,7 @@ from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.clock import Clock
 from bahrs_driver.convert import raw
 from bahrs_driver.convert.outgoing import Outgoing
+from bahrs_driver.convert.values import DiagnosticArray, UInt8MultiArray
 from bahrs_driver.devices.parts import Parts
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.spec import AnyDevice
@@ -29,8 +30,6 @@ from bahrs_driver.reprocess.ordered_writer import OrderedWriter
 from bahrs_driver.reprocess.replay_diagnostics import ReplayDiagnostics
 from bahrs_driver.reprocess.topic_writer import TopicWriter
 from bahrs_driver.units import NS_PER_S
-from diagnostic_msgs.msg import DiagnosticArray
-from std_msgs.msg import UInt8MultiArray
 
 Progress = Callable[[str], None]
 

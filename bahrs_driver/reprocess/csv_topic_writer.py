@@ -8,9 +8,10 @@ import json
 from pathlib import Path
 from typing import Any
 
+from bahrs_driver.convert.outgoing import Values
 from bahrs_driver.files.live_file import LiveFile
 from bahrs_driver.files.new_directory import make_directory
-from bahrs_driver.ros_layout.message_objects import to_message
+from bahrs_driver.ros_layout.message_objects import message_type, to_message
 
 
 class CsvTopicWriter:
@@ -30,11 +31,12 @@ class CsvTopicWriter:
             file = LiveFile(path)
             self._files.append(file)
             self._writers[topic] = csv.writer(file, lineterminator='\n')
-            self._writers[topic].writerow(['time_ns', *(name for name, _ in _flat('', kind()))])
+            fields = _flat('', message_type(kind)())
+            self._writers[topic].writerow(['time_ns', *(name for name, _ in fields)])
 
-    def write(self, topic: str, time_ns: int, message: object) -> None:
-        """Append a row with a message and its log time; WriteError if there is no room."""
-        fields = _flat('', to_message(message))
+    def write(self, topic: str, time_ns: int, values: Values) -> None:
+        """Append a row with values and its log time; WriteError if there is no room."""
+        fields = _flat('', to_message(values))
         self._writers[topic].writerow([time_ns, *(value for _, value in fields)])
 
     def close(self) -> None:

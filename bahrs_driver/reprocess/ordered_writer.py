@@ -5,6 +5,7 @@
 import math
 
 from bahrs_driver.bag.reorder_buffer import ReorderBuffer
+from bahrs_driver.convert.outgoing import Values
 from bahrs_driver.reprocess.topic_writer import TopicWriter
 from bahrs_driver.units import NS_PER_S
 
@@ -18,14 +19,14 @@ class OrderedWriter:
     def __init__(self, writer: TopicWriter) -> None:
         self.first_ns = self.last_ns = 0        # log times of written messages
         self._writer = writer
-        self._held = ReorderBuffer[tuple[str, object]](MOST_HELD)
+        self._held = ReorderBuffer[tuple[str, Values]](MOST_HELD)
 
     @property
     def count(self) -> int:
         """Messages added so far."""
         return self._held.count
 
-    def add(self, log_ns: int, topic: str, message: object) -> None:
+    def add(self, log_ns: int, topic: str, message: Values) -> None:
         """Hold a message. Those of equal log times keep their order."""
         self._held.add(log_ns, (topic, message))
 

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from bahrs_driver.bag.capture import Chunk
 from bahrs_driver.bag.log_clock import LogInstant
 from bahrs_driver.clock import Clock
+from bahrs_driver.convert.values import DiagnosticArray
 from bahrs_driver.devices.parts import Parts
 from bahrs_driver.devices.registry import recognize
 from bahrs_driver.devices.settings import CommonSettings
@@ -21,7 +22,6 @@ from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.diagnostics.updater import Updater
 from bahrs_driver.pipeline import Event, Notice, PipelineCounters, Stamped
 from bahrs_driver.units import NS_PER_S
-from diagnostic_msgs.msg import DiagnosticArray
 
 TOPIC = '/diagnostics'
 PERIOD = NS_PER_S
@@ -74,7 +74,4 @@ class ReplayDiagnostics:
 
     def _report(self, now: int) -> tuple[int, DiagnosticArray]:
         self._now, self._due = now, now + PERIOD
-        array = DiagnosticArray(status=self._updater.statuses())
-        array.header.stamp.sec, array.header.stamp.nanosec = divmod(
-            now + self._offset, NS_PER_S)
-        return now, array
+        return now, DiagnosticArray(now + self._offset, '', self._updater.statuses())

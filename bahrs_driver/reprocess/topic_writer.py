@@ -5,12 +5,18 @@
 from collections.abc import Mapping
 from typing import Protocol
 
+from bahrs_driver.convert.outgoing import Values
+
 
 class TopicWriter(Protocol):
-    """Stores messages, which come in the order of their times."""
+    """Stores values of messages, which come in the order of their times."""
 
     def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
-        """Prepare all topics; a late subscriber gets the last message of those in latched."""
+        """
+        Prepare all topics, whose types are classes of values.
 
-    def write(self, topic: str, time_ns: int, message: object) -> None:
+        A late subscriber gets the last message of those in latched.
+        """
+
+    def write(self, topic: str, time_ns: int, values: Values) -> None:
         """Store a message with its log time."""

@@ -3,9 +3,12 @@
 """The layouts of all values that the converters return."""
 
 from bahrs_driver.convert import values
-from bahrs_driver.ros_layout.message_layout import (
-    array, HEADER, members, MessageLayout, number, text, time,
+from bahrs_driver.convert.outgoing import Values
+from bahrs_driver.ros_layout.message_layout import MessageLayout
+from bahrs_driver.ros_layout.rows import (
+    array, data, HEADER, members, number, records, text, time,
 )
+from bahrs_driver.ros_layout.sequence_layout import SequenceLayout
 
 LAYOUTS: dict[type, MessageLayout] = {
     values.Imu: MessageLayout(
@@ -44,4 +47,24 @@ LAYOUTS: dict[type, MessageLayout] = {
     values.TimeReference: MessageLayout(
         'sensor_msgs/msg/TimeReference', *HEADER, time('time_ref'), text('source')),
     values.Float64: MessageLayout('std_msgs/msg/Float64', number('data', 'd')),
+    values.DiagnosticArray: SequenceLayout(
+        'diagnostic_msgs/msg/DiagnosticArray', *HEADER,
+        records('status', 'diagnostic_msgs/msg/DiagnosticStatus', number('level', 'c'),
+                text('name'), text('message'), text('hardware_id'),
+                records('values', 'diagnostic_msgs/msg/KeyValue', text('key'), text('value')))),
+    values.UInt8MultiArray: SequenceLayout(
+        'std_msgs/msg/UInt8MultiArray',
+        records('layout.dim', 'std_msgs/msg/MultiArrayDimension',
+                text('label'), number('size', 'I'), number('stride', 'I')),
+        number('layout.data_offset', 'I'), data('data')),
 }
+
+
+def type_name(kind: type) -> str:
+    """Return the name of the message type of a class of values, such as sensor_msgs/msg/Imu."""
+    return LAYOUTS[kind].name
+
+
+def serialize(message: Values) -> bytes:
+    """Return the serialized message of values; struct.error if a number does not fit."""
+    return LAYOUTS[type(message)].serialize(message)

@@ -1,7 +1,7 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-The layout of a serialized ROS message, one row for each field of its values.
+The layout of a serialized ROS message without sequences, one row for each field of its values.
 
 ROS serializes messages as CDR, the format of DDS: four bytes that name the encoding, then all
 numbers in the order of the definition, each aligned to its own size, counted from the fifth byte.
@@ -12,76 +12,14 @@ made and serialized. Padding is zero.
 """
 
 from collections.abc import Iterator
-from enum import Enum
 from functools import cached_property, lru_cache
 import struct
-from typing import Any, NamedTuple
+from typing import Any
 
+from bahrs_driver.ros_layout.rows import Kind, Row, SIZES
 from bahrs_driver.units import NS_PER_S
 
 ENCAPSULATION = bytes((0, 1, 0, 0))     # CDR, little-endian
-_SIZES = {'b': 1, 'B': 1, 'H': 2, 'i': 4, 'I': 4, 'd': 8}
-_TYPES = {'b': 'int8', 'B': 'uint8', 'H': 'uint16', 'i': 'int32', 'I': 'uint32', 'd': 'double'}
-
-
-class Kind(Enum):
-    """How a value becomes fields."""
-
-    NUMBER = 'one number'
-    NUMBERS = 'a tuple of numbers'
-    TIME = 'ns as sec and nanosec'
-    TEXT = 'a string'
-
-
-class Row(NamedTuple):
-    """A field of the definition: its path, and the struct code of its numbers."""
-
-    path: str
-    kind: Kind
-    code: str = ''
-    members: tuple[str, ...] = ()       # names of the numbers of a nested message
-    length: int = 1                     # of an array
-
-    def fields(self) -> Iterator[tuple[str, str]]:
-        """Yield path and type of each field, as in the definition."""
-        number = _TYPES.get(self.code, '')
-        if self.kind is Kind.TEXT:
-            yield self.path, 'string'
-        elif self.kind is Kind.TIME:
-            yield f'{self.path}.sec', 'int32'
-            yield f'{self.path}.nanosec', 'uint32'
-        elif self.members:
-            yield from ((f'{self.path}.{member}', number) for member in self.members)
-        else:
-            yield self.path, number if self.length == 1 else f'{number}[{self.length}]'
-
-
-def number(path: str, code: str) -> Row:
-    """Return the row of one number."""
-    return Row(path, Kind.NUMBER, code)
-
-
-def members(path: str, names: str) -> Row:
-    """Return the row of a nested message of float64 with one-letter names, such as 'xyz'."""
-    return Row(path, Kind.NUMBERS, 'd', tuple(names), len(names))
-
-
-def array(path: str, length: int) -> Row:
-    """Return the row of an array of float64."""
-    return Row(path, Kind.NUMBERS, 'd', (), length)
-
-
-def time(path: str) -> Row:
-    """Return the row of a time in ns."""
-    return Row(path, Kind.TIME)
-
-
-def text(path: str) -> Row:
-    """Return the row of a string."""
-    return Row(path, Kind.TEXT)
-
-
-HEADER = time('header.stamp'), text('header.frame_id')
 
 
 class MessageLayout:
@@ -123,7 +61,7 @@ class MessageLayout:
         codes, position = f'<{len(ENCAPSULATION)}s', 0
         for row in self.rows:
             for code, count in _codes(row, texts):
-                size = _SIZES.get(code, 1)
+                size = SIZES.get(code, 1)
                 padding = -position % size
                 codes += 'x' * padding + f'{count}{code}'
                 position += padding + size * count

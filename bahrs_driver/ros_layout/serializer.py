@@ -13,7 +13,7 @@ class Serializer:
     """
     Serializes values whose layout is that of the installed message definition.
 
-    Values of other types, if a version of ROS changes a definition, become message objects.
+    The others, if a version of ROS changes a definition, become message objects.
     """
 
     def __init__(self) -> None:

@@ -9,10 +9,10 @@ import os
 
 from bahrs_driver.bag.bag_writer import BagWriter
 from bahrs_driver.bag.read_metadata import ReadMetadata
-from bahrs_driver.bag.serialization import serialized
 from bahrs_driver.bag.topics import Topic
 from bahrs_driver.convert import raw
 from bahrs_driver.convert.bahrs.converter import TOPICS
+from bahrs_driver.ros_layout.layouts import serialize
 from bahrs_driver.virtual_serial.pty_port import PtyPort
 from mcap.reader import make_reader
 import pytest
@@ -157,7 +157,7 @@ def test_a_clock_that_was_set_back_while_recording(tmp_path, plugin):
         at = round(emission.time * S)
         metadata = ReadMetadata('bahrs', 1, 86805, begin + at - HOUR * (at > 2 * S), 7 * S + at)
         message = raw.message(emission.data, metadata.to_label())
-        items.append((metadata.ros_ns, serialized(message)))
+        items.append((metadata.ros_ns, serialize(message)))
     bag = write_bag(tmp_path / 'bag', plugin, items=items)
     status, text = convert(bag, tmp_path / 'out', '--json')
     assert status == 0
@@ -227,7 +227,7 @@ def test_request_rates_are_refused_for_a_recording(tmp_path):
     with BagWriter(tmp_path / 'bag') as bag:
         bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
         label = ReadMetadata('titan_m', 1, 0, 1, 1).to_label()
-        bag.write('/raw', 1, serialized(raw.message(b'x', label)))
+        bag.write('/raw', 1, serialize(raw.message(b'x', label)))
     status, text = convert(tmp_path / 'bag', tmp_path / 'out', '-p', 'gps.rate:=10')
     assert status == 1 and '-p gps.rate:=10: it must be 0' in text
 
@@ -236,7 +236,7 @@ def test_a_missing_topic(tmp_path):
     """The message names the existing topic."""
     with BagWriter(tmp_path / 'bag') as bag:
         bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
-        bag.write('/raw', 1, serialized(raw.message(b'bytes', '')))
+        bag.write('/raw', 1, serialize(raw.message(b'bytes', '')))
     status, text = convert(tmp_path / 'bag', tmp_path / 'out', '--topic', '/nope')
     assert status == 1
     assert text.endswith('has no topic /nope of type std_msgs/msg/UInt8MultiArray, but /raw\n')

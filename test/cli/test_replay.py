@@ -10,7 +10,6 @@ import time
 
 from bahrs_driver.bag.bag_writer import BagWriter
 from bahrs_driver.bag.read_metadata import ReadMetadata
-from bahrs_driver.bag.serialization import serialized
 from bahrs_driver.bag.topics import Topic
 from bahrs_driver.convert import raw
 from bahrs_driver.errors import LinkError
@@ -18,6 +17,7 @@ from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.integrity import Integrity
+from bahrs_driver.ros_layout.layouts import serialize
 from bahrs_driver.transport.link import Link
 import pytest
 from support.processes import running, wait_for
@@ -100,7 +100,7 @@ def write_bag(folder, chunks):
         for at, data in chunks:
             time_ns = 10 ** 18 + round(at * 1e9)
             metadata = ReadMetadata('bahrs', 1, 86805, time_ns, time_ns)
-            bag.write('/raw', time_ns, serialized(raw.message(data, metadata.to_label())))
+            bag.write('/raw', time_ns, serialize(raw.message(data, metadata.to_label())))
 
 
 def played(file, link, *words):
@@ -138,7 +138,7 @@ def test_a_bag_with_a_step_of_the_host_clock(tmp_path):
         for at, step, data in ((0.0, 0, b'abc'), (0.5, -3600, b'def'), (1.5, 3600, b'ghi')):
             raw_ns = 7 * 10 ** 9 + round(at * 1e9)
             metadata = ReadMetadata('bahrs', 1, 86805, 10 ** 18 + raw_ns + step * 10 ** 9, raw_ns)
-            bag.write('/raw', 10 ** 18, serialized(raw.message(data, metadata.to_label())))
+            bag.write('/raw', 10 ** 18, serialize(raw.message(data, metadata.to_label())))
     reads, told = played(tmp_path / 'bag', tmp_path / 'port')
     due = {**dict.fromkeys(b'def', 0.5), **dict.fromkeys(b'ghi', 1.5)}
     for at, data in reads:

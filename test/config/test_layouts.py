@@ -14,9 +14,10 @@ from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Quaternion
 import pytest
+from support.ros_messages import message_types
 
 CONFIG = Path(__file__).resolve().parents[2] / 'config'
-ALL_TOPICS = {**TOPICS, 'diagnostics': DiagnosticArray}
+ALL_TOPICS = {**message_types(TOPICS), 'diagnostics': DiagnosticArray}
 # PlotJuggler 3.8.10 and later make these of a quaternion, in radians (ParserROS::parseQuaternion);
 # before that they were roll_deg, pitch_deg and yaw_deg.
 OF_QUATERNIONS = {'roll', 'pitch', 'yaw'}
@@ -87,7 +88,7 @@ def test_plotjuggler_shows_what_is_published(curve):
     """Topic and field exist."""
     topic = max((name for name in TOPICS if curve.startswith(f'/{name}/')), key=len)
     *parents, last = curve.removeprefix(f'/{topic}/').split('/')
-    parent = follow(TOPICS[topic], parents)
+    parent = follow(ALL_TOPICS[topic], parents)
     assert hasattr(parent, last) or isinstance(parent, Quaternion) and last in OF_QUATERNIONS
 
 

@@ -15,6 +15,7 @@ import sys
 from typing import ClassVar
 
 from bahrs_driver.clock import ArrivalClock
+from bahrs_driver.convert.values import Float64
 from bahrs_driver.devices.parts import Converter, Parts
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.devices.settings import CommonSettings
@@ -27,7 +28,6 @@ from bahrs_driver.pipeline import Pipeline
 from bahrs_driver.protocol.decoder import Decoder
 from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.protocol.message import Message
-from std_msgs.msg import Float64
 
 FRAME = struct.Struct('<2sBfB')
 RATE = 20.0         # Hz
@@ -78,11 +78,11 @@ class RangeStreamDecoder(StreamDecoder):
 
 
 class RangeConverter(Converter):
-    """Converts messages to ROS messages."""
+    """Converts messages to values of ROS messages."""
 
     def convert(self, message, _stamp_ns):
-        """Convert a message to ROS messages, each with its topic."""
-        yield 'range', Float64(data=message.range)
+        """Convert a message to values, each with its topic."""
+        yield 'range', Float64(message.range)
 
 
 class EmulatedRangefinder(EmulatedDevice):
@@ -135,7 +135,7 @@ class RangefinderSpec(DeviceSpec[CommonSettings]):
         return RangefinderEmulation()
 
     def topics(self):
-        """Return the message type of each topic."""
+        """Return the class of the values of each topic."""
         return {'range': Float64}
 
     def parts(self, settings):

@@ -12,10 +12,10 @@ import sys
 
 from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.convert import raw
+from bahrs_driver.ros_layout.layouts import serialize
 from bahrs_driver.units import NS_PER_S
 from diagnostic_msgs.msg import DiagnosticStatus
 import pytest
-from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import StoragePlugin
 from std_msgs.msg import Float64, UInt8MultiArray
 from support.bags import write_bag
@@ -59,7 +59,7 @@ def raw_messages(recording):
         at = 1_700_000_000 * NS_PER_S + index * PERIOD_NS
         label = ReadMetadata('rangefinder', 1, 86805, at, at).to_label()
         frame = data[index * FRAME_SIZE:(index + 1) * FRAME_SIZE]
-        yield at, serialize_message(raw.message(frame, label))
+        yield at, serialize(raw.message(frame, label))
 
 
 @pytest.fixture

@@ -9,12 +9,12 @@ module; the hashes must not change.
 
 from collections.abc import Iterator
 
-from bahrs_driver.bag.serialization import serialized
 from bahrs_driver.clock import Instant
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.errors import LinkError
 from bahrs_driver.pipeline import Notice
 from bahrs_driver.process.fault_log import FaultLog
+from bahrs_driver.ros_layout.layouts import serialize
 from bahrs_driver.transport.channel import Reading
 from bahrs_driver.transport.port_events import (
     BytesRead, Decoded, PortOpened, PortUnavailable, PortUsable,
@@ -42,7 +42,7 @@ def polled_path(changes: dict[str, object]) -> list[tuple[str, bytes]]:
                           faults={'bit_flip': 0.0003}, mode=0.002)
     polled.run(10.0)
     sensor = parts_of('titan_m', **changes)
-    return [(topic, serialized(message)) for _, item in polled.received
+    return [(topic, serialize(message)) for _, item in polled.received
             for topic, message in sensor.converter.convert(item.message, item.stamp_ns)]
 
 
@@ -126,4 +126,4 @@ class _Node:
             self.note(sentence)
 
     def _publish(self, outgoing) -> None:
-        self.published += [(topic, serialized(message)) for topic, message in outgoing]
+        self.published += [(topic, serialize(message)) for topic, message in outgoing]

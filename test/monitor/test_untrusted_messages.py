@@ -19,8 +19,9 @@ import rclpy
 from rclpy.context import Context
 from rclpy.serialization import serialize_message
 from rich.console import Console
+from support.ros_messages import message_types
 
-TOPICS = all_topics()
+TOPICS = message_types(all_topics())
 NODE = '/bahrs_driver'
 FLOATS = st.one_of(st.floats(), st.sampled_from([float('nan'), float('inf'), 1e308, -1e154, 0.0]))
 TEXTS = st.one_of(

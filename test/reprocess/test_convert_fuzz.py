@@ -9,10 +9,10 @@ import tempfile
 from bahrs_driver.bag.read_metadata import END_OF_TIME, ReadMetadata
 from bahrs_driver.cli.main import main
 from bahrs_driver.convert import raw
+from bahrs_driver.ros_layout.layouts import serialize
 from hypothesis import given, settings, strategies as st
 from mcap.reader import make_reader
 from mcap.writer import CompressionType
-from rclpy.serialization import serialize_message
 from support.bags import write_mcap
 from support.emulated import emissions, make_device
 
@@ -53,7 +53,7 @@ def labels(draw):
        lost=st.sets(st.integers(0, READS - 1), max_size=5))
 def test_labels_of_any_kind(labels, log_time, lost):
     """Log times never decrease, and errors have no traceback."""
-    items = [(log_time, serialize_message(raw.message(data, label)))
+    items = [(log_time, serialize(raw.message(data, label)))
              for index, (data, label) in enumerate(zip(pieces(), labels)) if index not in lost]
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / 'bag.mcap', Path(folder) / 'out'

@@ -33,9 +33,3 @@ def test_definition_that_differs(monkeypatch):
     assert isinstance(message, FluidPressureMessage) and message.variance == 4.0
     temperature = found.serialize(Temperature(0, '', 21.5, 0.0))
     assert deserialize_message(temperature, TemperatureMessage).temperature == 21.5
-
-
-def test_message_object_stays():
-    """A converter may yield one."""
-    message = TemperatureMessage(temperature=1.0)
-    assert Serializer().serialize(message) is message

@@ -8,11 +8,11 @@ from pathlib import Path
 from bahrs_driver.bag.capture import Chunk
 from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.convert import raw
+from bahrs_driver.convert.values import Float64
+from bahrs_driver.ros_layout.layouts import serialize
 from mcap.writer import CompressionType, Writer as McapWriter
-from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import get_typestore, Stores
-from std_msgs.msg import Float64
 
 TYPE = 'std_msgs/msg/UInt8MultiArray'
 STORE = get_typestore(Stores.ROS2_JAZZY)
@@ -26,7 +26,7 @@ CHUNKS = [Chunk(data, metadata.ros_ns, metadata.raw_ns, metadata.connection_id)
 
 def messages() -> list[tuple[int, bytes]]:
     """Return serialised raw messages with their log times."""
-    return [(metadata.ros_ns + 1000, serialize_message(raw.message(data, metadata.to_label())))
+    return [(metadata.ros_ns + 1000, serialize(raw.message(data, metadata.to_label())))
             for data, metadata in zip(PIECES, METADATA)]
 
 
@@ -40,7 +40,7 @@ def write_bag(path: Path, plugin: StoragePlugin, topics: Sequence[str] = ('/raw'
         number = writer.add_connection('/heading', 'std_msgs/msg/Float64', typestore=STORE)
         connections = [writer.add_connection(topic, TYPE, typestore=STORE) for topic in topics]
         for time, data in messages() if items is None else items:
-            writer.write(number, time, serialize_message(Float64(data=1.0)))
+            writer.write(number, time, serialize(Float64(1.0)))
             for connection in connections:
                 writer.write(connection, time, data)
     return path

@@ -17,6 +17,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from support.ros_messages import message_types
 from support.waiting import PATIENCE, wait_for
 
 BIN = Path(sys.executable).parent
@@ -121,7 +122,8 @@ class Listener:
             profile = QoSProfile(depth=2000)
             if topic in LATCHED:
                 profile.durability = DurabilityPolicy.TRANSIENT_LOCAL
-            self.node.create_subscription(kind, topic, self.messages[topic].append, profile)
+            self.node.create_subscription(message_types({topic: kind})[topic], topic,
+                                          self.messages[topic].append, profile)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._ended = threading.Event()

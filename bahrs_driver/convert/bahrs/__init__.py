@@ -1,3 +1,3 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Convert BAHRS messages to ROS messages."""
+"""Convert BAHRS messages to values of ROS messages."""

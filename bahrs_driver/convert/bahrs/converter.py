@@ -1,7 +1,7 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Convert the messages of the BAHRS to ROS messages.
+Convert the messages of the BAHRS to values of ROS messages.
 
 An inertial message becomes `imu/data_raw`. A navigation message becomes all other topics, with the
 stamp of the inertial sample that it was computed from, because both have the same device time. No
@@ -36,23 +36,19 @@ from bahrs_driver.protocol.bahrs.roles import ROLES
 from bahrs_driver.protocol.integrity import Integrity
 from bahrs_driver.protocol.layout import Vector
 from bahrs_driver.units import NS_PER_US, ROS_TIME_END_S, US_PER_S
-from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
-from sensor_msgs.msg import FluidPressure, Imu, MagneticField, NavSatFix, TimeReference
-from std_msgs.msg import Float64
 
 TOPICS: dict[str, type] = {
-    'imu/data_raw': Imu,
-    'imu/data': Imu,
-    'imu/mag': MagneticField,
-    'static_pressure': FluidPressure,
-    'pressure_altitude': NavSatFix,
-    'altitude/pose': PoseWithCovarianceStamped,
-    'velocity': TwistWithCovarianceStamped,
-    'heading': Float64,
-    'integrity': DiagnosticArray,
-    'time_reference': TimeReference,
-    'sync_pulse': TimeReference,
+    'imu/data_raw': values.Imu,
+    'imu/data': values.Imu,
+    'imu/mag': values.MagneticField,
+    'static_pressure': values.FluidPressure,
+    'pressure_altitude': values.NavSatFix,
+    'altitude/pose': values.PoseWithCovarianceStamped,
+    'velocity': values.TwistWithCovarianceStamped,
+    'heading': values.Float64,
+    'integrity': values.DiagnosticArray,
+    'time_reference': values.TimeReference,
+    'sync_pulse': values.TimeReference,
 }
 # A late subscriber receives the last message of these.
 LATCHED = {'integrity'}

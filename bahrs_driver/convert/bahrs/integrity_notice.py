@@ -9,14 +9,14 @@ all of them together give the integrity of every sample in a bag.
 
 from collections.abc import Sequence
 
-from bahrs_driver.convert.header import make_header
+from bahrs_driver.convert import values
+from bahrs_driver.convert.values import DiagnosticArray, DiagnosticStatus, KeyValue
 from bahrs_driver.protocol.integrity import Health, Integrity
 from bahrs_driver.units import NS_PER_S
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
-LEVELS = {Integrity.SAFE: DiagnosticStatus.OK, Integrity.INTEGRITY_RISK: DiagnosticStatus.WARN,
-          Integrity.UNAVAILABLE: DiagnosticStatus.ERROR,
-          Integrity.RESERVED: DiagnosticStatus.ERROR, None: DiagnosticStatus.STALE}
+LEVELS = {Integrity.SAFE: values.OK, Integrity.INTEGRITY_RISK: values.WARN,
+          Integrity.UNAVAILABLE: values.ERROR, Integrity.RESERVED: values.ERROR,
+          None: values.STALE}
 NOT_HEARD = 'not_heard'
 SET_BACK = NS_PER_S
 
@@ -67,11 +67,10 @@ class IntegrityNotice:
         if stamp_ns > self._published - SET_BACK:
             stamp_ns = max(stamp_ns, self._published)
         self._published = stamp_ns
-        return DiagnosticArray(header=make_header(stamp_ns, frame_id), status=[
-            _status(name, integrity) for name, integrity in self.signals.items()])
+        return DiagnosticArray(stamp_ns, frame_id, tuple(
+            _status(name, integrity) for name, integrity in self.signals.items()))
 
 
 def _status(name: str, integrity: Integrity | None) -> DiagnosticStatus:
     label = NOT_HEARD if integrity is None else integrity.label
-    return DiagnosticStatus(level=LEVELS[integrity], name=name, message=label,
-                            values=[KeyValue(key='integrity', value=label)])
+    return DiagnosticStatus(LEVELS[integrity], name, label, '', (KeyValue('integrity', label),))

@@ -1,3 +1,3 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Convert Titan-M messages to ROS messages."""
+"""Convert Titan-M messages to values of ROS messages."""

@@ -1,7 +1,7 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Convert the answers of the Titan-M to ROS messages.
+Convert the answers of the Titan-M to values of ROS messages.
 
 Each answer is a measurement with its own stamp. `imu/data` has the attitude and stamp of a state
 answer, with the calibrated force and rate of the sensor answer just before it. NaN and infinity
@@ -31,25 +31,19 @@ from bahrs_driver.protocol.titan_m.messages import (
     ADC_FORCE, ADC_RATE_DEG, Gps, Sensors, State, TitanAnswer,
 )
 from bahrs_driver.units import NS_PER_US
-from geometry_msgs.msg import TwistWithCovarianceStamped
-from nav_msgs.msg import Odometry
-from sensor_msgs.msg import (
-    FluidPressure, Imu, MagneticField, NavSatFix, Temperature, TimeReference,
-)
-from std_msgs.msg import Float64
 
 TOPICS: dict[str, type] = {
-    'imu/data_raw': Imu,
-    'imu/data': Imu,
-    'imu/mag': MagneticField,
-    'static_pressure': FluidPressure,
-    'differential_pressure': FluidPressure,
-    'temperature': Temperature,
-    'fix': NavSatFix,
-    'velocity': TwistWithCovarianceStamped,
-    'odometry': Odometry,
-    'heading': Float64,
-    'time_reference': TimeReference,
+    'imu/data_raw': values.Imu,
+    'imu/data': values.Imu,
+    'imu/mag': values.MagneticField,
+    'static_pressure': values.FluidPressure,
+    'differential_pressure': values.FluidPressure,
+    'temperature': values.Temperature,
+    'fix': values.NavSatFix,
+    'velocity': values.TwistWithCovarianceStamped,
+    'odometry': values.Odometry,
+    'heading': values.Float64,
+    'time_reference': values.TimeReference,
 }
 LATCHED: set[str] = set()
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Create the parts for a stream of a BAHRS."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 import math
 
 from bahrs_driver.clock import ArrivalClock, Clock, ClockOptions, SampleClock
@@ -10,6 +10,8 @@ from bahrs_driver.convert import nvm_page
 from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.bahrs.converter import BahrsConverter, BahrsOptions
 from bahrs_driver.convert.bahrs.integrity_policy import IntegrityPolicy
+from bahrs_driver.convert.outgoing import Outgoing
+from bahrs_driver.convert.values import UInt8MultiArray
 from bahrs_driver.devices.bahrs.health import BahrsHealth
 from bahrs_driver.devices.bahrs.settings import BahrsSettings, ROS_CLOCK
 from bahrs_driver.devices.nvm_reader import NvmReader
@@ -22,7 +24,6 @@ from bahrs_driver.protocol.message import Message
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.request_loop import RequestLoop
 from bahrs_driver.units import NS_PER_S
-from std_msgs.msg import UInt8MultiArray
 
 SILENCE_HINT = ('is the device powered, and is its line connected? A Titan-M sends nothing unless '
                 'asked: for one, set parameter sensor to titan_m')
@@ -54,7 +55,7 @@ def make_parts(settings: BahrsSettings) -> Parts:
         service_topics={nvm_page.TOPIC: UInt8MultiArray}, service_messages=_service_messages)
 
 
-def _service_messages(message: Message) -> Iterator[tuple[str, object]]:
+def _service_messages(message: Message) -> Outgoing:
     if isinstance(message, NvmPage):
         yield nvm_page.TOPIC, nvm_page.message(message.page, message.data)
 

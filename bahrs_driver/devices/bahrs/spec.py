@@ -67,7 +67,7 @@ class BahrsSpec(DeviceSpec[BahrsSettings]):
         return make_recording_format(settings, self.label)
 
     def topics(self) -> Mapping[str, type]:
-        """Return the message type of each topic."""
+        """Return the class of the values of each topic."""
         from bahrs_driver.convert.bahrs.converter import TOPICS
         return TOPICS
 

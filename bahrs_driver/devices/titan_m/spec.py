@@ -42,7 +42,7 @@ class TitanSpec(DeviceSpec[TitanMSettings]):
         return emulation
 
     def topics(self) -> Mapping[str, type]:
-        """Return the message type of each topic."""
+        """Return the class of the values of each topic."""
         from bahrs_driver.convert.titan_m.converter import TOPICS
         return TOPICS
 

@@ -15,7 +15,7 @@ START = 1_700_000_000 * SECOND
 
 def stamp(notice):
     """Return the stamp of a notice in ns."""
-    return notice.header.stamp.sec * SECOND + notice.header.stamp.nanosec
+    return notice.stamp_ns
 
 
 def states(notice):

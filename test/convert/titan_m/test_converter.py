@@ -12,7 +12,7 @@ from bahrs_driver.protocol.titan_m.messages import Gps, LAYOUTS, Sensors, State
 import pytest
 from sensor_msgs.msg import NavSatFix, NavSatStatus
 from support.device_examples import DEVIATIONS, GPS, SENSORS, STATE, TITAN_OPTIONS
-from support.ros_messages import as_messages
+from support.ros_messages import as_messages, message_types
 
 STAMP, MS = 1_700_000_000_123_456_789, 1_000_000
 NAN = math.nan
@@ -28,7 +28,7 @@ def converted(parts, message, stamp=STAMP):
     """Return the ROS messages of an answer with the rounding of the wire, by topic."""
     layout = LAYOUTS[type(message), 'little']
     out = list(as_messages(parts.convert(layout.decode(layout.encode(message)), stamp)))
-    assert all(isinstance(ros, TOPICS[topic]) for topic, ros in out)
+    assert all(isinstance(ros, message_types(TOPICS)[topic]) for topic, ros in out)
     return dict(out)
 
 
