@@ -20,7 +20,8 @@ from typing import Any
 
 from bahrs_driver.protocol.block_framing import FrameBlock
 from bahrs_driver.protocol.framing import Frame
-from bahrs_driver.protocol.layout import Layout, Row
+from bahrs_driver.protocol.layout import Layout
+from bahrs_driver.protocol.row import Row
 import numpy as np
 from numpy.typing import NDArray
 
@@ -121,12 +122,14 @@ def _wire_type(layout: Layout[Any]) -> np.dtype[Any]:
 
 def _column(row: Row, raw: Array) -> Array:
     """Decode the values of a field."""
+    if row.scale is not None:
+        return np.asarray(raw * row.scale + row.offset)
+    if row.decode is None:
+        return np.asarray(raw, raw.dtype.newbyteorder('='))
     if row.code.endswith('s'):
         values: Array = np.empty(len(raw), object)
         values[:] = [row.decode(bytes(item)) for item in raw]
         return values
-    if row.plain:
-        return np.asarray(raw, raw.dtype.newbyteorder('='))
     if raw.dtype.itemsize <= _LOOKED_UP:
         found: Array = _every_value(row)[raw.astype(f'u{raw.dtype.itemsize}')]
         return found
@@ -143,11 +146,9 @@ def _every_value(row: Row) -> Array:
 
 
 def _decoded(row: Row, values: Array) -> Array:
-    """Decode values one by one. A repeated row decodes all its components alike."""
-    items = values.tolist()
-    if row.count > 1:
-        return np.array([row.decode((item,) * row.count)[0] for item in items], float)
-    found = [row.decode(item) for item in items]
+    """Decode values one by one."""
+    assert row.decode
+    found = [row.decode(item) for item in values.tolist()]
     sample = row.decode(0)
     if isinstance(sample, tuple):
         assert all(isinstance(part, IntEnum) for part in sample)

@@ -49,6 +49,7 @@ def two_bit_fields(count: int) -> tuple[Callable[[int], Health], Callable[[Healt
     def decode(word: int) -> Health:
         return tuple(Integrity(word >> 2 * i & 0b11) for i in range(count))
 
+    @lru_cache(maxsize=REMEMBERED)
     def encode(health: Health) -> int:
         if len(health) != count:
             raise ValueError(f'{count} signals needed')
@@ -68,9 +69,10 @@ def valid_bits(count: int) -> tuple[Callable[[int], Health], Callable[[Health], 
     def decode(bits: int) -> Health:
         return tuple(Integrity(bits >> i & 1) for i in range(count))
 
+    @lru_cache(maxsize=REMEMBERED)
     def encode(health: Health) -> int:
         if len(health) != count:
             raise ValueError(f'{count} signals needed')
-        return sum((integrity is Integrity.SAFE) << i for i, integrity in enumerate(health))
+        return sum((integrity == Integrity.SAFE) << i for i, integrity in enumerate(health))
 
     return decode, encode

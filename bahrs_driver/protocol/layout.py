@@ -4,63 +4,35 @@
 The wire layout of messages: one row for each field, for decoding and encoding.
 
 A message is a frozen dataclass whose fields are declared with `wire(row)`. A row has the struct
-code of its field and the two functions between the raw number and the SI value. A Layout compiles
+code of its field and the conversion between the raw number and the SI value. A Layout compiles
 the rows of one message for one protocol version. Decoding and encoding use the same rows, so that
 they cannot disagree.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
-from operator import index
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import field, fields, replace
+from functools import cached_property
+from itertools import islice
 import struct
 from typing import Any, Generic, TypeVar
 
+from bahrs_driver.protocol.compiled_layout import compile_decoder, compile_encoder
 from bahrs_driver.protocol.integrity import two_bit_fields, valid_bits
+from bahrs_driver.protocol.row import Row
 
 Vector = tuple[float, float, float]
 Message = TypeVar('Message')
-
-
-@dataclass(frozen=True)
-class Row:
-    """
-    One field on the wire: its struct code, its count of repetitions, and both conversions.
-
-    `reserved` bytes follow it. They are ignored, and written as zeros.
-    """
-
-    code: str
-    decode: Callable[[Any], Any]
-    encode: Callable[[Any], Any]
-    count: int = 1
-    unit: str = ''
-    reserved: int = 0
-
-    @property
-    def plain(self) -> bool:
-        """Whether the raw number is the value."""
-        return self.decode in (_same, tuple)
-
-
-def _same(value: Any) -> Any:
-    return value
+_MISFITS = struct.error, TypeError, ValueError, OverflowError       # of values and fields
 
 
 def integer(code: str, unit: str = '') -> Row:
     """Return the row of an integer without a scale."""
-    return Row(code, _same, index, unit=unit)
+    return Row(code, unit=unit)
 
 
 def scaled(code: str, scale: float, unit: str, offset: float = 0.0) -> Row:
     """Return the row of a quantity: value = scale * raw + offset."""
-
-    def decode(raw: int) -> float:
-        return raw * scale + offset
-
-    def encode(value: float) -> int:
-        return round((value - offset) / scale)
-
-    return Row(code, decode, encode, unit=unit)
+    return Row(code, unit=unit, scale=scale, offset=offset)
 
 
 def deviation(code: str, scale: float, unit: str) -> Row:
@@ -74,35 +46,27 @@ def deviation(code: str, scale: float, unit: str) -> Row:
             return 0
         return round(value / scale) or int(value > 0)
 
-    return Row(code, decode, encode, unit=unit)
+    return Row(code, unit=unit, decode=decode, encode=encode)
 
 
 def vector(code: str, scale: float, unit: str) -> Row:
     """Return the row of three scaled components, x first."""
-
-    def decode(raw: tuple[int, int, int]) -> Vector:
-        x, y, z = raw
-        return x * scale, y * scale, z * scale
-
-    def encode(value: Vector) -> tuple[int, ...]:
-        return tuple(round(component / scale) for component in value)
-
-    return Row(code, decode, encode, count=3, unit=unit)
+    return Row(code, 3, unit, scale)
 
 
 def integers(code: str, count: int) -> Row:
     """Return the row of several integers without a scale."""
-    return Row(code, tuple, tuple, count=count)
+    return Row(code, count)
 
 
 def real(code: str, unit: str = '') -> Row:
     """Return the row of a floating-point number without a scale."""
-    return Row(code, _same, float, unit=unit)
+    return Row(code, unit=unit)
 
 
 def reals(code: str, count: int, unit: str = '') -> Row:
     """Return the row of several floating-point numbers without a scale."""
-    return Row(code, tuple, tuple, count=count, unit=unit)
+    return Row(code, count, unit)
 
 
 def text(size: int) -> Row:
@@ -117,7 +81,7 @@ def text(size: int) -> Row:
             raise ValueError(f'{value!r} is longer than {size} bytes')
         return data
 
-    return Row(f'{size}s', decode, encode)
+    return Row(f'{size}s', decode=decode, encode=encode)
 
 
 def block(size: int) -> Row:
@@ -128,27 +92,30 @@ def block(size: int) -> Row:
             raise ValueError(f'{len(value)} bytes given, {size} needed')
         return value
 
-    return Row(f'{size}s', bytes, encode)
+    return Row(f'{size}s', decode=bytes, encode=encode)
 
 
 def flag(raised: int) -> Row:
     """Return the row of a byte that is true for one value, 0 or 1, and false for any other."""
-    return Row('B', lambda raw: raw == raised, lambda value: raised if value else 1 - raised)
+    return Row('B', decode=lambda raw: raw == raised,
+               encode=lambda value: raised if value else 1 - raised)
 
 
 def before_reserved(size: int, row: Row) -> Row:
     """Return the row with `size` reserved bytes after it."""
-    return Row(row.code, row.decode, row.encode, row.count, row.unit, size)
+    return replace(row, reserved=size)
 
 
 def integrity_fields(code: str, count: int) -> Row:
     """Return the row of a health word with two bits per signal."""
-    return Row(code, *two_bit_fields(count))
+    decode, encode = two_bit_fields(count)
+    return Row(code, decode=decode, encode=encode)
 
 
 def valid_flags(code: str, count: int) -> Row:
     """Return the row of a health byte with one valid bit per signal."""
-    return Row(code, *valid_bits(count))
+    decode, encode = valid_bits(count)
+    return Row(code, decode=decode, encode=encode)
 
 
 def wire(row: Row | Mapping[int, Row]) -> Any:
@@ -167,52 +134,48 @@ class Layout(Generic[Message]):
                  replace: Mapping[str, Row] | None = None) -> None:
         self.message = message
         self.byte_order = byte_order
-        self._rows: list[tuple[str, Row, struct.Struct]] = []
-        # How to decode each field, None if the number is the value, and which numbers it has.
-        self._steps: list[tuple[Callable[[Any], Any] | None, int | slice]] = []
-        codes, position = '', 0
-        for item in fields(message):  # type: ignore[arg-type]
-            row = (replace or {}).get(item.name) or _row_for(item.metadata['rows'], version)
-            code = row.code if row.count == 1 else f'{row.count}{row.code}'
-            code += 'x' * row.reserved
-            self._rows.append((item.name, row, struct.Struct(byte_order + code)))
-            part: int | slice = position if row.count == 1 else slice(
-                position, position + row.count)
-            self._steps.append((None if row.plain else row.decode, part))
-            codes += code
-            position += row.count
-        self._struct = struct.Struct(byte_order + codes)
+        self.rows: Sequence[tuple[str, Row]] = [        # names and rows of the fields, in order
+            (item.name, (replace or {}).get(item.name) or _row_for(item.metadata['rows'], version))
+            for item in fields(message)]  # type: ignore[arg-type]
+        self._struct = _packer(self.rows, byte_order)
         self.size = self._struct.size
 
-    @property
-    def rows(self) -> list[tuple[str, Row]]:
-        """Names and rows of the fields, in order."""
-        return [(name, row) for name, row, _ in self._rows]
+    @cached_property
+    def decode(self) -> Callable[..., Message]:
+        """Return a function of bytes and of the start of the payload (0); it takes any content."""
+        return compile_decoder(self.message, self.rows, self._struct)
+
+    @cached_property
+    def _encode(self) -> Callable[[Message], bytes]:
+        return compile_encoder(self.rows, self._struct)
 
     def raw(self, payload: bytes, start: int = 0) -> dict[str, Any]:
         """Return the raw numbers on the wire by field name."""
-        values = self._struct.unpack_from(payload, start)
-        return {name: values[part] for (name, _, _), (_, part) in zip(self._rows, self._steps)}
-
-    def decode(self, payload: bytes, start: int = 0) -> Message:
-        """Decode the payload that begins at start. Any content is valid."""
-        values = self._struct.unpack_from(payload, start)
-        return self.message(*[decode(values[part]) if decode else values[part]
-                              for decode, part in self._steps])
+        numbers = iter(self._struct.unpack_from(payload, start))
+        return {name: next(numbers) if row.count == 1 else tuple(islice(numbers, row.count))
+                for name, row in self.rows}
 
     def encode(self, message: Message) -> bytes:
         """Encode a message; raise ValueError if a value does not fit its field."""
-        return b''.join(_pack(name, row, packer, getattr(message, name))
-                        for name, row, packer in self._rows)
+        try:
+            return self._encode(message)
+        except _MISFITS:
+            for name, row in self.rows:
+                self._check(name, row, message)
+            raise
+
+    def _check(self, name: str, row: Row, message: Message) -> None:
+        """Raise ValueError if the value of a field does not fit."""
+        rows = [(name, row)]
+        try:
+            compile_encoder(rows, _packer(rows, self.byte_order))(message)
+        except _MISFITS as error:
+            value, unit = getattr(message, name), row.unit and ' ' + row.unit
+            raise ValueError(f'{name}: {value}{unit} does not fit its field ({error})') from error
 
 
-def _pack(name: str, row: Row, packer: struct.Struct, value: Any) -> bytes:
-    try:
-        raw = row.encode(value)
-        return packer.pack(raw) if row.count == 1 else packer.pack(*raw)
-    except (struct.error, TypeError, ValueError, OverflowError) as error:
-        unit = row.unit and ' ' + row.unit
-        raise ValueError(f'{name}: {value}{unit} does not fit its field ({error})') from error
+def _packer(rows: Sequence[tuple[str, Row]], byte_order: str) -> struct.Struct:
+    return struct.Struct(byte_order + ''.join(row.wire_code for _, row in rows))
 
 
 def _row_for(rows: Mapping[int, Row], version: int) -> Row:

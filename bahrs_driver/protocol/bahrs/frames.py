@@ -150,13 +150,11 @@ class BahrsCodec(Decoder):
         self._layouts = layouts(height_format)
         self.layouts_by_header = {HEADER.pack(MARKER, *key): layout
                                   for key, layout in self._layouts.items()}
-        self._decoders = {header: layout.decode
-                          for header, layout in self.layouts_by_header.items()}
 
     def decode(self, frame: Frame, _now: int = 0) -> BahrsMessage:
         """Return the message of an intact frame."""
         data = frame.data
-        return self._decoders[data[:_HEADER_SIZE]](data, _HEADER_SIZE)
+        return self.layouts_by_header[data[:_HEADER_SIZE]].decode(data, _HEADER_SIZE)
 
     def raw(self, frame: Frame) -> dict[str, object]:
         """Return the raw numbers of an intact frame by field name."""

@@ -9,7 +9,9 @@ east, down. A field has a value even if its signal is not available; `health` ha
 Section numbers refer to the BAHRS serial protocol document 2.0.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import ClassVar, Literal
 
 from bahrs_driver.protocol.integrity import Health
@@ -243,7 +245,9 @@ MESSAGES: tuple[type[BahrsMessage], ...] = (
 )
 
 
-def layouts(height_format: HeightFormat = 'uint16') -> dict[tuple[int, int], Layout[BahrsMessage]]:
+@cache
+def layouts(height_format: HeightFormat = 'uint16'
+            ) -> Mapping[tuple[int, int], Layout[BahrsMessage]]:
     """
     Return the layout of every message by (version, type).
 
