@@ -116,13 +116,18 @@ class BahrsFormat:
         """Return the name of the checksum that passes: 'word', 'byte' or 'crc32'."""
         if frame[4] in self._services:
             return _first_passing(frame, (_CRC32, _BYTE, _WORD))
-        order = _first_passing(frame, self._checks)
-        if order:
-            self._latest_frame = frame
-            if order != self.order_seen:
-                self.order_seen = order
-                self._checks.sort(key=lambda check: check[0] != order)
-        return order
+        for order, passes in self._checks:
+            if passes(frame):
+                self._latest_frame = frame
+                if order != self.order_seen:
+                    self._prefer(order)
+                return order
+        return None
+
+    def _prefer(self, order: str) -> None:
+        """Try an order first from now on."""
+        self.order_seen = order
+        self._checks.sort(key=lambda check: check[0] != order)
 
     def name_unknown(self, frame: bytes) -> str | None:
         """Return type and version of an intact frame of an unknown type, as text."""
