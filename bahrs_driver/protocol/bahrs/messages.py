@@ -11,7 +11,7 @@ Section numbers refer to the BAHRS serial protocol document 2.0.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 from typing import ClassVar, Literal
 
 from bahrs_driver.protocol.integrity import Health
@@ -245,7 +245,7 @@ MESSAGES: tuple[type[BahrsMessage], ...] = (
 )
 
 
-@cache
+@lru_cache(maxsize=2)
 def layouts(height_format: HeightFormat = 'uint16'
             ) -> Mapping[tuple[int, int], Layout[BahrsMessage]]:
     """
