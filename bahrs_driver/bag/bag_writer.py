@@ -15,6 +15,8 @@ from pathlib import Path
 from types import TracebackType
 
 from bahrs_driver.bag.crash_safe_file import CrashSafeFile
+from bahrs_driver.bag.mcap_chunk import MessageRecord
+from bahrs_driver.bag.mcap_output import McapOutput
 from bahrs_driver.bag.metadata import as_yaml, FileInformation, write_metadata
 from bahrs_driver.bag.topics import definition, Topic
 from bahrs_driver.errors import WriteError
@@ -22,10 +24,7 @@ from bahrs_driver.files.guard import guard
 from bahrs_driver.files.new_directory import make_directory
 from mcap.data_stream import RecordBuilder
 from mcap.records import DataEnd, Footer
-from mcap.writer import CompressionType, MCAP0_MAGIC, Writer
-
-CHUNK_SIZE = 1 << 20        # bytes before compression
-LIBRARY = 'bahrs_driver'
+from mcap.writer import MCAP0_MAGIC
 
 
 class BagWriter:
@@ -83,19 +82,17 @@ class BagWriter:
                 self._register(topic)
         self._write_metadata()
 
-    def write(self, topic: str, log_time: int, data: bytes,
-              publish_time: int | None = None) -> None:
-        """Append a serialized message; times in ns. log_time must not be below the last one."""
-        self._files[-1].add(topic, log_time)
-        self._writer.add_message(
-            self._channels[topic], log_time, data,
-            log_time if publish_time is None else publish_time, self._files[-1].counts[topic])
-        if self._stream.pending:            # a chunk is full
-            self._guard(self._stream.flush)
+    def write(self, messages: Iterable[MessageRecord]) -> None:
+        """Append messages of known topics; their log times must not decrease."""
+        try:
+            self._output.write(messages)
+        except WriteError:
+            self._broken = True
+            raise
 
     def flush(self) -> None:
         """Write all messages into the file; WriteError if that is not possible."""
-        self._guard(self._writer.flush)
+        self._guard(self._output.flush)
 
     def sync(self) -> None:
         """Make flushed messages survive a loss of power, and update metadata.yaml."""
@@ -128,27 +125,20 @@ class BagWriter:
         self._files.append(FileInformation(name))
         with guard(self.folder / name):
             self._stream = CrashSafeFile(self.folder / name, _trailer())
-        self._writer = Writer(self._stream, CHUNK_SIZE,  # type: ignore[arg-type]
-                              CompressionType.ZSTD)
-        self._writer.start('ros2', LIBRARY)
-        self._schemas: dict[str, int] = {}
-        self._channels: dict[str, int] = {}
+        self._output = McapOutput(self._stream, self._files[-1])
         for topic in self._topics.values():
             self._register(topic)
         self.flush()
         self._write_metadata()
 
     def _end_file(self) -> None:
-        self._guard(self._writer.finish)
+        self._guard(self._output.finish)
         self._guard(self._stream.finish)
 
     def _register(self, topic: Topic) -> None:
         text, type_hash = definition(topic.type_name)
-        if topic.type_name not in self._schemas:
-            self._schemas[topic.type_name] = self._writer.register_schema(
-                topic.type_name, 'ros2msg' if text else '', text.encode())
-        self._channels[topic.name] = self._writer.register_channel(
-            topic.name, 'cdr', self._schemas[topic.type_name],
+        self._output.add_topic(
+            topic.name, topic.type_name, text,
             {'offered_qos_profiles': as_yaml(topic.qos), 'topic_type_hash': type_hash})
 
     def _write_metadata(self) -> None:

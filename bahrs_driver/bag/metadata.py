@@ -17,19 +17,17 @@ NEVER = 2 ** 63 - 1             # start of a bag without messages
 
 @dataclass
 class FileInformation:
-    """Messages in a file, counted; times are log times in ns."""
+    """Messages in a file, counted by topic; times are log times in ns."""
 
     name: str = ''
-    count: int = 0
     first: int = NEVER
     last: int = 0
-    counts: dict[str, int] = field(default_factory=dict)    # by topic
+    counts: dict[str, int] = field(default_factory=dict)
 
-    def add(self, topic: str, time: int) -> None:
-        """Count a message."""
-        self.count += 1
-        self.first, self.last = min(self.first, time), max(self.last, time)
-        self.counts[topic] = self.counts.get(topic, 0) + 1
+    @property
+    def count(self) -> int:
+        """Messages in the file."""
+        return sum(self.counts.values())
 
     def times(self) -> dict[str, dict[str, int]]:
         """Return start and duration in the format of rosbag2."""
@@ -52,11 +50,10 @@ def as_yaml(data: object) -> str:
 def information(topics: Iterable[Topic], files: list[FileInformation]) -> Mapping[str, object]:
     """Return the contents of metadata.yaml."""
     whole = FileInformation(
-        count=sum(file.count for file in files),
         first=min(file.first for file in files), last=max(file.last for file in files))
     return {
         'version': VERSION, 'storage_identifier': 'mcap', **whole.times(),
-        'message_count': whole.count,
+        'message_count': sum(file.count for file in files),
         'topics_with_message_count': [
             {'topic_metadata': {
                 'name': topic.name, 'type': topic.type_name, 'serialization_format': 'cdr',

@@ -117,7 +117,7 @@ class Recorder:
         arrive.
         """
         for message in self._queue.take_all():
-            self._received.add(message.log_time, message)
+            self._received.add(message.log_time, [message])
         return [message._replace(log_time=log_time)
                 for log_time, message in self._received.pop_until(until)]
 

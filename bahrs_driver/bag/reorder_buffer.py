@@ -2,36 +2,48 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sort a stream whose items arrive almost in the order of their log times."""
 
-from collections.abc import Iterator
-import heapq
+from bisect import bisect_right
+from collections.abc import Iterable
 import math
+from operator import itemgetter
 from typing import Generic, TypeVar
 
 T = TypeVar('T')
+
+_log_time = itemgetter(0)
 
 
 class ReorderBuffer(Generic[T]):
     """Holds items until no earlier one is expected, and at most a number of them."""
 
-    def __init__(self, max_items: float = math.inf) -> None:
-        self.count = 0                  # items added so far
+    def __init__(self, max_items: int | None = None) -> None:
         self._max_items = max_items
-        self._heap: list[tuple[int, int, T]] = []
+        self._items: list[tuple[int, T]] = []
         self._last_ns = 0               # log time of the latest item that was removed
 
-    def add(self, log_ns: int, item: T) -> None:
-        """Hold an item. Those of equal log times keep their order."""
-        heapq.heappush(self._heap, (log_ns, self.count, item))
-        self.count += 1
+    def __len__(self) -> int:
+        """Return the number of items held."""
+        return len(self._items)
 
-    def pop_until(self, log_ns: float = math.inf) -> Iterator[tuple[int, T]]:
-        """
-        Remove and yield the items up to a log time, each with its own.
+    def add(self, log_ns: int, items: Iterable[T]) -> None:
+        """Hold items with a log time. Those of equal log times keep their order."""
+        self._items += [(log_ns, item) for item in items]
 
-        An item that was added too late gets the log time of the one before it.
+    def pop_until(self, log_ns: float = math.inf) -> list[tuple[int, T]]:
         """
-        heap = self._heap
-        while heap and (heap[0][0] <= log_ns or len(heap) > self._max_items):
-            item_ns, _, item = heapq.heappop(heap)
-            self._last_ns = max(item_ns, self._last_ns)
-            yield self._last_ns, item
+        Remove and return the items up to a log time, each with its own.
+
+        An item that was added too late gets the log time of the one before it. All items that are
+        held are sorted: where they are many, remove many at a time.
+        """
+        items = self._items
+        items.sort(key=_log_time)       # a single pass over what is in order already
+        count = bisect_right(items, log_ns, key=_log_time)
+        if self._max_items is not None:
+            count = max(count, len(items) - self._max_items)
+        found, self._items = items[:count], items[count:]
+        late = bisect_right(found, self._last_ns, key=_log_time)
+        found[:late] = [(self._last_ns, item) for _, item in found[:late]]
+        if found:
+            self._last_ns, _ = found[-1]
+        return found

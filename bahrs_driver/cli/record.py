@@ -174,8 +174,7 @@ def _write(recorder: Recorder, bag: BagWriter, until: float = math.inf) -> None:
     topics = recorder.new_topics()
     if topics:
         bag.add_topics(topics)
-    for log_time, topic, data, publish_time in recorder.drain(until):
-        bag.write(topic, log_time, data, publish_time)
+    bag.write(recorder.drain(until))
     bag.flush()
 
 

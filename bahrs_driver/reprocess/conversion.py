@@ -77,9 +77,9 @@ class Conversion:
             progress('converting')
             second_pass.convert(fed)
             if self._capture.timed and fed.chunk.data:
-                output.add(fed.read.log_ns, raw.TOPIC, self._raw(fed.chunk))
+                output.add(fed.read.log_ns, [(raw.TOPIC, self._raw(fed.chunk))])
             output.write_until(fed.read.log_ns)
-        output.write_until()
+        output.write_all()
         self.notices = [*parts.take_notices(), *second_pass.faults.notices()]
         framing = pipeline.counters.framing
         return ConversionResult(framing.frames, framing.skipped_bytes, output.count,
@@ -136,17 +136,17 @@ class _SecondPass:
         for message, _, stamp_ns in self.faults.messages(events):
             self._add(converter.convert(message, stamp_ns), stamp_ns - read.offset)
             self._diagnostics.counters.converted += 1
-            for topic, page in self._parts.service_messages(message):
-                self._output.add(now, topic, page)
+            self._output.add(now, self._parts.service_messages(message))
         if disconnected:
             self._add(converter.end_stream(read.ros_ns), now)
         self._add_reports(self._diagnostics.update(chunk, read, events))
 
     def _add(self, messages: Outgoing, log_ns: int) -> None:
-        for topic, message in messages:
+        added = list(messages)
+        for topic, _ in added:
             self._diagnostics.counters.messages[topic] += 1
-            self._output.add(log_ns, topic, message)
+        self._output.add(log_ns, added)
 
     def _add_reports(self, reports: Iterator[tuple[int, DiagnosticArray]]) -> None:
         for log_ns, array in reports:
-            self._output.add(log_ns, replay_diagnostics.TOPIC, array)
+            self._output.add(log_ns, [(replay_diagnostics.TOPIC, array)])

@@ -2,15 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write each topic into a file of comma-separated values."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 import csv
 import json
 from pathlib import Path
 from typing import Any
 
-from bahrs_driver.convert.outgoing import Values
 from bahrs_driver.files.live_file import LiveFile
 from bahrs_driver.files.new_directory import make_directory
+from bahrs_driver.reprocess.topic_writer import LoggedValues
 from bahrs_driver.ros_layout.message_objects import message_type, to_message
 
 
@@ -34,10 +34,11 @@ class CsvTopicWriter:
             fields = _flat('', message_type(kind)())
             self._writers[topic].writerow(['time_ns', *(name for name, _ in fields)])
 
-    def write(self, topic: str, time_ns: int, values: Values) -> None:
-        """Append a row with values and its log time; WriteError if there is no room."""
-        fields = _flat('', to_message(values))
-        self._writers[topic].writerow([time_ns, *(value for _, value in fields)])
+    def write(self, messages: Sequence[LoggedValues]) -> None:
+        """Append a row for each message, with its log time; WriteError if there is no room."""
+        for time_ns, (topic, values) in messages:
+            fields = _flat('', to_message(values))
+            self._writers[topic].writerow([time_ns, *(value for _, value in fields)])
 
     def close(self) -> None:
         """Close the files."""

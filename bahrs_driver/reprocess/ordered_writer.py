@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write messages in the order of their log times."""
 
+from collections.abc import Iterable
 import math
 
 from bahrs_driver.bag.reorder_buffer import ReorderBuffer
@@ -11,28 +12,37 @@ from bahrs_driver.units import NS_PER_S
 
 LONGEST_DELAY = 10 * NS_PER_S   # from the log time of a message to the read that completes it
 MOST_HELD = 50_000              # messages; ten times those of LONGEST_DELAY
+WRITTEN_AT_ONCE = 5_000         # messages, about
 
 
 class OrderedWriter:
     """Holds messages until no earlier one can follow, then writes them."""
 
     def __init__(self, writer: TopicWriter) -> None:
-        self.first_ns = self.last_ns = 0        # log times of written messages
+        self.count = 0                          # messages written
+        self.first_ns = self.last_ns = 0        # their log times
         self._writer = writer
         self._held = ReorderBuffer[tuple[str, Values]](MOST_HELD)
+        self._enough = WRITTEN_AT_ONCE          # messages held, for some to be written
 
-    @property
-    def count(self) -> int:
-        """Messages added so far."""
-        return self._held.count
+    def add(self, log_ns: int, messages: Iterable[tuple[str, Values]]) -> None:
+        """Hold messages with their topics. Those of equal log times keep their order."""
+        self._held.add(log_ns, messages)
 
-    def add(self, log_ns: int, topic: str, message: Values) -> None:
-        """Hold a message. Those of equal log times keep their order."""
-        self._held.add(log_ns, (topic, message))
+    def write_until(self, now: int) -> None:
+        """Write messages, if they are many, that no message after now, a log time, can precede."""
+        if len(self._held) >= self._enough:
+            self._write(now - LONGEST_DELAY)
+            self._enough = len(self._held) + WRITTEN_AT_ONCE
 
-    def write_until(self, now: float = math.inf) -> None:
-        """Write the messages that no message after now, a log time, can precede."""
-        for log_ns, (topic, message) in self._held.pop_until(now - LONGEST_DELAY):
-            self.first_ns = self.first_ns or log_ns
-            self.last_ns = log_ns
-            self._writer.write(topic, log_ns, message)
+    def write_all(self) -> None:
+        """Write the remaining messages."""
+        self._write(math.inf)
+
+    def _write(self, until: float) -> None:
+        messages = self._held.pop_until(until)
+        if messages:
+            self.count += len(messages)
+            self.first_ns = self.first_ns or messages[0][0]
+            self.last_ns = messages[-1][0]
+            self._writer.write(messages)

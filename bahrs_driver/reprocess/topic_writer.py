@@ -2,10 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a conversion writes to: a bag, or tables."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 from bahrs_driver.convert.outgoing import Values
+
+# Log time in ns, and what a converter returns.
+LoggedValues = tuple[int, tuple[str, Values]]
 
 
 class TopicWriter(Protocol):
@@ -18,5 +21,5 @@ class TopicWriter(Protocol):
         A late subscriber gets the last message of those in latched.
         """
 
-    def write(self, topic: str, time_ns: int, values: Values) -> None:
-        """Store a message with its log time."""
+    def write(self, messages: Sequence[LoggedValues]) -> None:
+        """Store messages in the order of their log times."""

@@ -31,12 +31,17 @@ def number(value):
     return serialize_message(Float64(data=float(value)))
 
 
+def heading(index, data):
+    """Return what is written of a message with a number."""
+    return START + index, '/heading', data, START + index
+
+
 def written(folder, count=100, topics=TOPICS):
     """Write a bag, and return its messages."""
     with BagWriter(folder) as bag:
         bag.add_topics(topics)
         for index in range(count):
-            bag.write('/heading', START + index, number(index))
+            bag.write([heading(index, number(index))])
     return [('/heading', START + index, number(index)) for index in range(count)]
 
 
@@ -97,7 +102,7 @@ def test_killed_at_any_time(tmp_path):
     bag, sent = BagWriter(tmp_path / 'bag'), []
     bag.add_topics(TOPICS)
     for index in range(50):
-        bag.write('/heading', START + index, number(index))
+        bag.write([heading(index, number(index))])
         sent.append(('/heading', START + index, number(index)))
         if index % 10 == 9:
             bag.flush()
@@ -140,7 +145,7 @@ def test_split(tmp_path):
     with BagWriter(tmp_path / 'bag') as bag:
         bag.add_topics(TOPICS)
         for index in range(30):
-            bag.write('/heading', START + index, number(index))
+            bag.write([heading(index, number(index))])
             if index % 10 == 9 and index < 29:
                 bag.split()
     assert with_mcap(tmp_path / 'bag') == with_rosbags(tmp_path / 'bag')
@@ -176,7 +181,7 @@ def test_no_room(tmp_path):
             pytest.raises(WriteError, match='bag_0.mcap: File too large: choose another'):
         while True:
             data = number(0.0)[:4] + os.urandom(8)
-            bag.write('/heading', START + len(sent), data)
+            bag.write([heading(len(sent), data)])
             sent.append(('/heading', START + len(sent), data))
             if len(sent) % 5 == 0:
                 bag.sync()

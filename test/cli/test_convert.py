@@ -227,7 +227,7 @@ def test_request_rates_are_refused_for_a_recording(tmp_path):
     with BagWriter(tmp_path / 'bag') as bag:
         bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
         label = ReadMetadata('titan_m', 1, 0, 1, 1).to_label()
-        bag.write('/raw', 1, serialize(raw.message(b'x', label)))
+        bag.write([(1, '/raw', serialize(raw.message(b'x', label)), 1)])
     status, text = convert(tmp_path / 'bag', tmp_path / 'out', '-p', 'gps.rate:=10')
     assert status == 1 and '-p gps.rate:=10: it must be 0' in text
 
@@ -236,7 +236,7 @@ def test_a_missing_topic(tmp_path):
     """The message names the existing topic."""
     with BagWriter(tmp_path / 'bag') as bag:
         bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
-        bag.write('/raw', 1, serialize(raw.message(b'bytes', '')))
+        bag.write([(1, '/raw', serialize(raw.message(b'bytes', '')), 1)])
     status, text = convert(tmp_path / 'bag', tmp_path / 'out', '--topic', '/nope')
     assert status == 1
     assert text.endswith('has no topic /nope of type std_msgs/msg/UInt8MultiArray, but /raw\n')

@@ -100,7 +100,8 @@ def write_bag(folder, chunks):
         for at, data in chunks:
             time_ns = 10 ** 18 + round(at * 1e9)
             metadata = ReadMetadata('bahrs', 1, 86805, time_ns, time_ns)
-            bag.write('/raw', time_ns, serialize(raw.message(data, metadata.to_label())))
+            message = serialize(raw.message(data, metadata.to_label()))
+            bag.write([(time_ns, '/raw', message, time_ns)])
 
 
 def played(file, link, *words):
@@ -138,7 +139,8 @@ def test_a_bag_with_a_step_of_the_host_clock(tmp_path):
         for at, step, data in ((0.0, 0, b'abc'), (0.5, -3600, b'def'), (1.5, 3600, b'ghi')):
             raw_ns = 7 * 10 ** 9 + round(at * 1e9)
             metadata = ReadMetadata('bahrs', 1, 86805, 10 ** 18 + raw_ns + step * 10 ** 9, raw_ns)
-            bag.write('/raw', 10 ** 18, serialize(raw.message(data, metadata.to_label())))
+            message = serialize(raw.message(data, metadata.to_label()))
+            bag.write([(10 ** 18, '/raw', message, 10 ** 18)])
     reads, told = played(tmp_path / 'bag', tmp_path / 'port')
     due = {**dict.fromkeys(b'def', 0.5), **dict.fromkeys(b'ghi', 1.5)}
     for at, data in reads:

@@ -10,6 +10,7 @@ from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.emulator.emulation import SentFrame
 from bahrs_driver.reprocess.conversion import Conversion, ConversionResult
+from bahrs_driver.reprocess.topic_writer import LoggedValues
 from bahrs_driver.ros_layout.message_objects import to_message
 from support.emulated import make_device, make_emulation
 from support.settings_examples import settings_of
@@ -32,10 +33,11 @@ class Kept:
         self.messages = {topic: [] for topic in topics}
         self.latched = latched
 
-    def write(self, topic: str, time_ns: int, message: object) -> None:
-        """Keep a message."""
-        self.messages[topic].append((time_ns, to_message(message)))
-        self.times.append(time_ns)
+    def write(self, messages: Sequence[LoggedValues]) -> None:
+        """Keep messages."""
+        for time_ns, (topic, values) in messages:
+            self.messages[topic].append((time_ns, to_message(values)))
+            self.times.append(time_ns)
 
 
 class Pieces(Capture):
