@@ -15,7 +15,8 @@ from bahrs_driver.settings.table import ParameterTable, SENSOR, unknown_paramete
 import yaml
 
 # Prefixes of the parameters that only a driver with a port uses.
-LIVE_ONLY = ('port', 'publish.raw', 'nvm.', 'startup.', 'diagnostics.qualified_name')
+LIVE_ONLY = ('port', 'publish.raw', 'publish.static_tf', 'publish.tf', 'nvm.', 'startup.',
+             'diagnostics.qualified_name')
 
 
 def read_settings(rules: Sequence[str], sensor: str) -> tuple[CommonSettings, list[str]]:
@@ -36,7 +37,8 @@ def read_settings(rules: Sequence[str], sensor: str) -> tuple[CommonSettings, li
         raise CommandError(f'-p {rule_of[SENSOR]}: write --sensor {values[SENSOR]} instead')
     settings = table.settings(values)[1].for_recording()
     for row in parameters(settings):
-        if row.name in given and values[row.name] != row.default:
+        if row.name in given and values[row.name] != row.default \
+                and not row.name.startswith(LIVE_ONLY):
             raise CommandError(f'-p {rule_of[row.name]}: it must be 0, because a conversion sends '
                                'no requests')
     notes = [note for name in given if (note := table.by_name[name].correction(given[name]))]

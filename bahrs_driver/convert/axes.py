@@ -28,6 +28,7 @@ class Quaternion(NamedTuple):
 
 
 NO_ROTATION = Quaternion(1.0, 0.0, 0.0, 0.0)
+_HALF_TURN_ABOUT_X = Quaternion(0.0, 1.0, 0.0, 0.0)
 
 
 def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
@@ -40,6 +41,20 @@ def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
         sr * cp * cy - cr * sp * sy,
         cr * sp * cy + sr * cp * sy,
         cr * cp * sy - sr * sp * cy)
+
+
+def product(first: Quaternion, second: Quaternion) -> Quaternion:
+    """Return the rotation that applies the second rotation, then the first."""
+    w, x, y, z = first
+    a, b, c, d = second
+    return Quaternion(w * a - x * b - y * c - z * d, w * b + x * a + y * d - z * c,
+                      w * c - x * d + y * a + z * b, w * d + x * c - y * b + z * a)
+
+
+def conjugate(rotation: Quaternion) -> Quaternion:
+    """Return the opposite rotation."""
+    w, x, y, z = rotation
+    return Quaternion(w, -x, -y, -z)
 
 
 def same_sign(rotation: Quaternion, last: Quaternion) -> Quaternion:
@@ -103,9 +118,10 @@ class Convention:
     world: Callable[[Vector], Vector]                   # a vector in navigation axes
     diagonal: Callable[[Vector], Vector]                # variances about navigation axes
     orientation: Callable[[Quaternion], Quaternion]     # body to navigation axes
+    axes: Quaternion                                    # body axes to forward, left, up
 
 
 CONVENTIONS = {
-    'enu': Convention(flu, enu, enu_diagonal, flu_to_enu),
-    'ned': Convention(_identity, _identity, _identity, _identity),
+    'enu': Convention(flu, enu, enu_diagonal, flu_to_enu, NO_ROTATION),
+    'ned': Convention(_identity, _identity, _identity, _identity, _HALF_TURN_ABOUT_X),
 }

@@ -13,9 +13,9 @@ from collections.abc import Iterator
 from math import isnan
 
 from bahrs_driver.convert.outgoing import Outgoing, Values
-from bahrs_driver.convert.values import DiagnosticArray, NavSatFix
+from bahrs_driver.convert.values import DiagnosticArray, NavSatFix, TFMessage
 
-_NOT_CHECKED = NavSatFix, DiagnosticArray
+_NOT_CHECKED = NavSatFix, DiagnosticArray, TFMessage
 
 
 def complete(values: Values) -> bool:

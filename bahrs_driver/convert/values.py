@@ -132,6 +132,22 @@ class Float64(NamedTuple):
     data: float
 
 
+class TransformStamped(NamedTuple):
+    """geometry_msgs/TransformStamped: the pose of the child frame in the frame, in m."""
+
+    stamp_ns: int
+    frame_id: str
+    child_frame_id: str
+    translation: Vector
+    rotation: XYZW
+
+
+class TFMessage(NamedTuple):
+    """tf2_msgs/TFMessage."""
+
+    transforms: tuple[TransformStamped, ...]
+
+
 class KeyValue(NamedTuple):
     """diagnostic_msgs/KeyValue."""
 
@@ -183,7 +199,7 @@ def imu(stamp_ns: int, frame_id: str, orientation: Quaternion | None,
     """
     if orientation is None:
         orientation, orientation_covariance = NO_ROTATION, covariance.NOT_REPORTED
-    return Imu(stamp_ns, frame_id, _xyzw(orientation), orientation_covariance,
+    return Imu(stamp_ns, frame_id, xyzw(orientation), orientation_covariance,
                rate, rate_covariance, force, force_covariance)
 
 
@@ -236,10 +252,11 @@ def odometry(stamp_ns: int, frame_id: str, child_frame_id: str, position: Vector
              orientation: Quaternion, pose_covariance: Matrix, velocity: Vector, rate: Vector,
              twist_covariance: Matrix) -> Odometry:
     """Return the pose of a body in the header's frame (m) and its twist in its own (m/s)."""
-    return Odometry(stamp_ns, frame_id, child_frame_id, position, _xyzw(orientation),
+    return Odometry(stamp_ns, frame_id, child_frame_id, position, xyzw(orientation),
                     pose_covariance, velocity, rate, twist_covariance)
 
 
-def _xyzw(quaternion: Quaternion) -> XYZW:
+def xyzw(quaternion: Quaternion) -> XYZW:
+    """Return the components in the order of ROS."""
     w, x, y, z = quaternion
     return x, y, z, w

@@ -3,8 +3,8 @@
 """The settings that every device has. Each device adds its own in devices/DEVICE/settings.py."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, fields, replace
+from typing import Literal, TypeVar
 
 from bahrs_driver.settings.group import DeviceSettings, Group, setting
 from bahrs_driver.settings.parameter import OtherDefault
@@ -45,9 +45,39 @@ class Publish(Group):
         'nan', 'How to publish a message with an unavailable component: nan publishes it with NaN '
         'for this component; withhold drops the message, for filters that do not recover from '
         'NaN. NavSatFix messages are always published.')
+    static_tf: bool = setting(
+        False, 'Publish the transform from base_frame_id to frame_id on /tf_static, as the '
+        'parameters mounting describe it. The launch files set it to true by default.',
+        in_file=False)
+    tf: bool = setting(
+        False, 'Publish the attitude as the transform from world_frame_id to base_frame_id on '
+        '/tf, with a translation of zero, while roll, pitch and heading are available. Leave it '
+        'off if an estimator such as robot_localization publishes the pose of base_frame_id.')
     raw: bool = setting(
         False, 'Publish the topic raw, the received bytes. A bag needs only this topic: bahrs '
         'convert regenerates all others from it.')
+
+
+@dataclass(frozen=True)
+class Mounting(Group):
+    """The pose of the device in base_frame_id."""
+
+    x: float = setting(0.0, 'Position of the device in base_frame_id, forward.', 'm', low=-1000.0,
+                       high=1000.0)
+    y: float = setting(0.0, 'Position of the device in base_frame_id, to the left.', 'm',
+                       low=-1000.0, high=1000.0)
+    z: float = setting(0.0, 'Position of the device in base_frame_id, upward.', 'm', low=-1000.0,
+                       high=1000.0)
+    roll: float = setting(
+        0.0, 'Roll of the device in base_frame_id: the last of its rotations, about x. Leave it '
+        '0 if the device itself corrects for its mounting, by installation angles in its memory.',
+        'rad', low=-7.0, high=7.0)
+    pitch: float = setting(
+        0.0, 'Pitch of the device in base_frame_id: the second of its rotations, about y.', 'rad',
+        low=-7.0, high=7.0)
+    yaw: float = setting(
+        0.0, 'Yaw of the device in base_frame_id: the first of its rotations, about z.', 'rad',
+        low=-7.0, high=7.0)
 
 
 @dataclass(frozen=True)
@@ -56,8 +86,9 @@ class Startup(Group):
 
     wait_for_subscribers: float = setting(
         0.0, 'Longest time to wait, before the port is opened, until each data topic has a '
-        'subscriber. A recorder that was started first then misses no messages. 0 does not wait.',
-        's', low=0.0, high=60.0)
+        'subscriber. A recorder that was started first then misses no messages. 0 does not wait. '
+        'The launch files wait 10 s by default if they start a recorder.', 's', low=0.0, high=60.0,
+        in_file=False)
 
 
 @dataclass(frozen=True)
@@ -93,6 +124,9 @@ class Time(Group):
         'byte, which cannot be measured without sync pulses.', 's', low=0.0, high=1.0)
 
 
+Settings = TypeVar('Settings', bound='CommonSettings')
+
+
 @dataclass(frozen=True)
 class CommonSettings(DeviceSettings):
     """The settings that every device has."""
@@ -111,11 +145,15 @@ class CommonSettings(DeviceSettings):
         'odom', 'Frame of altitude/pose, velocity and odometry. Its z axis is vertical. The '
         'default is map_ned if frame_convention is ned.', is_frame=True, in_file=False,
         other_default=OtherDefault('frame_convention', 'ned', 'map_ned'))
+    base_frame_id: str = setting(
+        'base_link', 'Frame of the vehicle, for transforms. Its axes are forward, left, up, '
+        'whatever frame_convention is.', is_frame=True)
     frame_convention: Literal['enu', 'ned'] = setting(
         'enu', 'Axes of the published data: enu is forward, left, up for the body and east, '
         'north, up for the world (REP-103); ned is forward, right, down for the body and north, '
         'east, down for the world.')
     stddev: Stddev = Stddev()
+    mounting: Mounting = Mounting()
     magnetic_field: MagneticField = MagneticField()
     publish: Publish = Publish()
     startup: Startup = Startup()
@@ -126,3 +164,10 @@ class CommonSettings(DeviceSettings):
         """Yield the parameters that have no effect beside the others, each with the reason."""
         if self.port.startswith('socket://'):
             yield 'baud_rate', 'port is a socket'
+        if not self.publish.tf and not self.publish.static_tf:
+            for name in ('base_frame_id', *(f'mounting.{item.name}' for item in fields(Mounting))):
+                yield name, 'publish.tf and publish.static_tf are False'
+
+    def for_recording(self: Settings) -> Settings:
+        """Return the settings without transforms, which a conversion does not publish."""
+        return replace(self, publish=replace(self.publish, tf=False, static_tf=False))

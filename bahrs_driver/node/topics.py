@@ -15,11 +15,13 @@ import time
 
 from bahrs_driver.convert import raw
 from bahrs_driver.convert.outgoing import Values
+from bahrs_driver.convert.transforms import TF
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.spec import AnyDevice
 from bahrs_driver.diagnostics.publishing_task import PublishingCounters
-from bahrs_driver.node.latched_publisher import create_latched
+from bahrs_driver.node.latched_publisher import create_latched, LatchedPublisher
 from bahrs_driver.node.subscriber_gate import SubscriberGate, Write
+from bahrs_driver.node.transforms import Transforms
 from bahrs_driver.ros_layout.message_objects import message_type
 from bahrs_driver.ros_layout.serializer import Serializer
 from bahrs_driver.units import BITS_PER_BYTE
@@ -52,18 +54,23 @@ class Topics:
         types = {topic: message_type(kind) for topic, kind in spec.topics().items()}
         self._latched = {topic: create_latched(node, kind, topic, self.create_publisher)
                          for topic, kind in types.items() if topic in spec.latched()}
-        self._data = {topic: self._latched.get(topic) or self.create_publisher(kind, topic)
-                      for topic, kind in types.items()}
+        self._data: dict[str, LatchedPublisher | Publisher] = {
+            topic: self._latched.get(topic) or self.create_publisher(kind, topic)
+            for topic, kind in types.items()}
+        transforms = Transforms(settings, self.create_publisher)
+        if transforms.attitude:
+            self._data[TF] = transforms.attitude
         self._raw = self.create_publisher(UInt8MultiArray, raw.TOPIC) \
             if settings.publish.raw else None
         self._select = select
         serializer = Serializer()
-        self.serialize, self.warnings = serializer.serialize, serializer.warnings()
-        self._in_use = frozenset(types)
+        self.serialize = serializer.serialize
+        self.warnings = [*serializer.warnings(), *transforms.warnings]
+        self._in_use = frozenset(self._data)
         self._refreshing = threading.Lock()
         self._created_at = time.monotonic()
         self.raw = self._raw            # None if it is not in use
-        self.counters = PublishingCounters(dict.fromkeys(types, 0))
+        self.counters = PublishingCounters(dict.fromkeys(self._data, 0))
         self.refresh()
 
     def create_publisher(self, kind: type, topic: str,

@@ -47,6 +47,11 @@ LAYOUTS: dict[type, MessageLayout] = {
     values.TimeReference: MessageLayout(
         'sensor_msgs/msg/TimeReference', *HEADER, time('time_ref'), text('source')),
     values.Float64: MessageLayout('std_msgs/msg/Float64', number('data', 'd')),
+    values.TFMessage: SequenceLayout(
+        'tf2_msgs/msg/TFMessage',
+        records('transforms', 'geometry_msgs/msg/TransformStamped', *HEADER,
+                text('child_frame_id'), members('transform.translation', 'xyz'),
+                members('transform.rotation', 'xyzw'))),
     values.DiagnosticArray: SequenceLayout(
         'diagnostic_msgs/msg/DiagnosticArray', *HEADER,
         records('status', 'diagnostic_msgs/msg/DiagnosticStatus', number('level', 'c'),

@@ -26,6 +26,15 @@ def message_type(kind: type) -> Any:
     return _message_class(type_name(kind))
 
 
+def is_installed(layout: MessageLayout) -> bool:
+    """Return whether the package of a message type is installed."""
+    try:
+        _message_class(layout.name)
+    except ImportError:
+        return False
+    return True
+
+
 def matches(layout: MessageLayout) -> bool:
     """Return whether the definition that is installed has the fields of a layout."""
     return layout.fields == list(_definition('', _message_class(layout.name)()))

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from bahrs_driver.ros_layout.layouts import LAYOUTS
-from bahrs_driver.ros_layout.message_objects import matches, to_message
+from bahrs_driver.ros_layout.message_objects import is_installed, matches, to_message
 
 
 class Serializer:
@@ -17,10 +17,12 @@ class Serializer:
     """
 
     def __init__(self) -> None:
-        layouts = {kind: layout for kind, layout in LAYOUTS.items() if matches(layout)}
+        installed = {kind: layout for kind, layout in LAYOUTS.items() if is_installed(layout)}
+        layouts = {kind: layout for kind, layout in installed.items() if matches(layout)}
         self._serialize: dict[type, Callable[[Any], bytes]] = {
             kind: layout.serialize for kind, layout in layouts.items()}
-        self._different = [layout.name for kind, layout in LAYOUTS.items() if kind not in layouts]
+        self._different = [layout.name for kind, layout in installed.items()
+                           if kind not in layouts]
 
     def warnings(self) -> list[str]:
         """Return a sentence about definitions that differ, if any does."""

@@ -5,21 +5,28 @@
 import math
 import struct
 
+from bahrs_driver.convert.values import TFMessage
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.ros_layout.layouts import LAYOUTS
 from bahrs_driver.ros_layout.message_layout import MessageLayout
-from bahrs_driver.ros_layout.message_objects import matches, message_type, to_message
+from bahrs_driver.ros_layout.message_objects import is_installed, matches, message_type, to_message
 from bahrs_driver.ros_layout.rows import data, Kind, number, records, text
 from bahrs_driver.ros_layout.sequence_layout import SequenceLayout
+from bahrs_driver.units import NS_PER_S
 from hypothesis import given, strategies as st
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
+from rosbags.typesys import get_typestore, Stores
 
 # ROS strings end at the first zero byte, and are UTF-8, which has no surrogates.
 texts = st.text(st.characters(exclude_characters='\0', exclude_categories=['Cs']), max_size=30)
 RANGES = {'b': (-2 ** 7, 2 ** 7 - 1), 'B': (0, 2 ** 8 - 1), 'H': (0, 2 ** 16 - 1),
           'I': (0, 2 ** 32 - 1)}
-EVERY = pytest.mark.parametrize('kind', LAYOUTS, ids=lambda kind: kind.__name__)
+# ROS from wheels has no tf2_msgs.
+EVERY = pytest.mark.parametrize('kind', [kind if is_installed(layout) else pytest.param(
+    kind, marks=pytest.mark.skip(f'{layout.name} is not installed'))
+    for kind, layout in LAYOUTS.items()], ids=lambda kind: kind.__name__)
+STORE = get_typestore(Stores.ROS2_JAZZY)
 
 
 def values_of(kind):
@@ -52,6 +59,23 @@ def test_bytes_are_those_of_rclpy(kind, data):
     received = deserialize_message(own, type(message))
     # Compared as bytes, in which NaN equals itself.
     assert flat(received) == flat(message) == flat(deserialize_message(reference, type(message)))
+
+
+@given(values_of(TFMessage))
+def test_bytes_of_transforms_are_those_of_rosbags(values):
+    """Which knows tf2_msgs where ROS does not."""
+    name = LAYOUTS[TFMessage].name
+    own = LAYOUTS[TFMessage].serialize(values)
+    message = STORE.deserialize_cdr(own, name)
+    assert bytes(STORE.serialize_cdr(message, name)) == own
+    for transform, record in zip(message.transforms, values.transforms, strict=True):
+        stamp_ns, frame_id, child_frame_id, *numbers = record
+        stamp, pose = transform.header.stamp, transform.transform
+        assert (stamp.sec * NS_PER_S + stamp.nanosec, transform.header.frame_id,
+                transform.child_frame_id) == (stamp_ns, frame_id, child_frame_id)
+        fields = [*(getattr(pose.translation, name) for name in 'xyz'),
+                  *(getattr(pose.rotation, name) for name in 'xyzw')]
+        assert struct.pack('7d', *fields) == struct.pack('7d', *numbers[0], *numbers[1])
 
 
 def flat(value):

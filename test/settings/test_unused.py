@@ -26,6 +26,7 @@ def read_by(file, prefix=''):
 
 # Read by the node and its services, not by the parts of a device.
 OF_THE_NODE = {'sensor'} | read_by('node/driver_node.py') | read_by('node/topics.py') | \
+    read_by('node/transforms.py') | read_by('devices/mounting.py') | \
     read_by('node/nvm_services.py', 'nvm.') | read_by('devices/nvm_reader.py', 'nvm.')
 
 
@@ -61,6 +62,10 @@ def test_each_unused_name_is_a_parameter_of_the_device(sensor, values):
      'publish.derived_magnetic_field is False'),
     ('integrity.risk_inflation', {'integrity.risk_policy': 'pass'},
      "integrity.risk_policy is 'pass'"),
+    ('mounting.x', {}, 'publish.tf and publish.static_tf are False'),
+    ('mounting.x', {'publish.static_tf': True}, None),
+    ('base_frame_id', {'publish.tf': True}, None),
+    ('publish.tf', {'sensor': 'titan_m', 'state.rate': 0.0}, 'state.rate is 0'),
     ('baud_rate', {'port': 'socket://host:4001'}, 'port is a socket'),
     ('baud_rate', {'port': 'rfc2217://host:4001'}, None),
     ('gps.week', {'sensor': 'titan_m', 'gps.rate': 0.0}, 'gps.rate is 0'),

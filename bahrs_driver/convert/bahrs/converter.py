@@ -29,6 +29,7 @@ from bahrs_driver.convert.bahrs.orientation_accuracy import OrientationAccuracy
 from bahrs_driver.convert.completeness import without_incomplete
 from bahrs_driver.convert.covariance import Matrix
 from bahrs_driver.convert.outgoing import ALL_TOPICS, Outgoing
+from bahrs_driver.convert.transforms import Mounting, TF
 from bahrs_driver.protocol.bahrs.messages import (
     Accuracy, Inertial, InertialTime, Navigation, SyncPulseTime,
 )
@@ -76,6 +77,7 @@ class BahrsOptions:
     integrity_policy: IntegrityPolicy
     orientation_fallback: float = 0.0       # rad; 0 is unknown
     withhold_incomplete: bool = False
+    mounting: Mounting | None = None        # if the attitude is published on /tf
 
 
 class _Sample(NamedTuple):
@@ -186,6 +188,8 @@ class BahrsConverter:
         tilt_factor = None if roll_factor is None or pitch_factor is None \
             else max(roll_factor, pitch_factor)
         orientation = self._attitude(message, tilt_factor, heading_factor)
+        if orientation[0] and heading_factor is not None:
+            yield from self._transform(orientation[0], stamp_ns)
         if 'imu/data' in self._topics:
             sample = self._sample(inertial, stamp_ns) if inertial else _no_sample(stamp_ns)
             yield 'imu/data', self._imu(sample, *orientation)
@@ -256,6 +260,11 @@ class BahrsConverter:
         self._orientation = same_sign(self._options.convention.orientation(rotation),
                                       self._orientation)
         return self._orientation, self._accuracy.matrix(tilt_factor, heading_factor)
+
+    def _transform(self, orientation: Quaternion, stamp_ns: int) -> Outgoing:
+        mounting = self._options.mounting
+        if mounting and TF in self._topics:
+            yield TF, mounting.attitude(stamp_ns, self._options.world_frame_id, orientation)
 
     def _field(self, message: Navigation, factor: float, stamp_ns: int) -> values.MagneticField:
         options, accuracy = self._options, self._accuracy

@@ -25,6 +25,7 @@ from bahrs_driver.convert.covariance import Matrix
 from bahrs_driver.convert.outgoing import ALL_TOPICS, Outgoing
 from bahrs_driver.convert.titan_m.gps_status import GpsStatus
 from bahrs_driver.convert.titan_m.gps_time import GpsTime
+from bahrs_driver.convert.transforms import Mounting, TF
 from bahrs_driver.convert.utm import load_pyproj, to_wgs84
 from bahrs_driver.protocol.layout import Vector
 from bahrs_driver.protocol.titan_m.messages import (
@@ -86,6 +87,7 @@ class TitanOptions:
     # Without state answers, velocity is that of the GPS. Only GPS answers report the fix.
     requested: Collection[type[TitanAnswer]] | None     # None: another host sends the requests
     withhold_incomplete: bool = False
+    mounting: Mounting | None = None        # if the attitude is published on /tf
 
 
 class _Sample(NamedTuple):
@@ -203,6 +205,9 @@ class TitanConverter:
         if rotation:
             self._orientation = same_sign(options.convention.orientation(rotation),
                                           self._orientation)
+            if options.mounting:
+                yield TF, options.mounting.attitude(
+                    stamp_ns, options.world_frame_id, self._orientation)
         force = rate = values.NO_VECTOR
         if self._sample and abs(stamp_ns - self._sample.stamp_ns) <= TOGETHER_NS:
             _, force, rate = self._sample

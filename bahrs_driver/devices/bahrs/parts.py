@@ -14,6 +14,7 @@ from bahrs_driver.convert.outgoing import Outgoing
 from bahrs_driver.convert.values import UInt8MultiArray
 from bahrs_driver.devices.bahrs.health import BahrsHealth
 from bahrs_driver.devices.bahrs.settings import BahrsSettings, ROS_CLOCK
+from bahrs_driver.devices.mounting import mounting
 from bahrs_driver.devices.nvm_reader import NvmReader
 from bahrs_driver.devices.parts import LivePart, Parts
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
@@ -86,4 +87,5 @@ def _options(settings: BahrsSettings) -> BahrsOptions:
         integrity_policy=IntegrityPolicy(settings.integrity.risk_policy,
                                          settings.integrity.risk_inflation),
         orientation_fallback=settings.stddev.orientation_fallback,
-        withhold_incomplete=settings.publish.incomplete == 'withhold')
+        withhold_incomplete=settings.publish.incomplete == 'withhold',
+        mounting=mounting(settings) if settings.publish.tf else None)

@@ -11,6 +11,7 @@ from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.titan_m.converter import (
     TitanConverter, TitanDeviations, TitanOptions,
 )
+from bahrs_driver.devices.mounting import mounting
 from bahrs_driver.devices.parts import LivePart, Parts
 from bahrs_driver.devices.titan_m.health import TitanHealth
 from bahrs_driver.devices.titan_m.requests_task import RequestsTask
@@ -135,4 +136,5 @@ def _options(settings: TitanMSettings, rates: Rates) -> TitanOptions:
         gps_week=settings.gps.week,
         leap_seconds=settings.gps.leap_seconds,
         requested={kind.ANSWER for kind, rate in rates.items() if rate} or None,
-        withhold_incomplete=settings.publish.incomplete == 'withhold')
+        withhold_incomplete=settings.publish.incomplete == 'withhold',
+        mounting=mounting(settings) if settings.publish.tf else None)

@@ -12,7 +12,7 @@ from bahrs_driver.settings.group import Group, setting
 ByteOrder = Literal['auto', 'little', 'big']
 RATES = ('state.rate', 'sensors.rate', 'gps.rate')
 # Parameters that only one kind of answer needs.
-OF_STATE = ('stddev.attitude', 'stddev.heading', 'magnetic_field.declination')
+OF_STATE = ('stddev.attitude', 'stddev.heading', 'magnetic_field.declination', 'publish.tf')
 OF_SENSORS = ('stddev.specific_force', 'stddev.magnetic_field', 'stddev.static_pressure',
               'stddev.differential_pressure', 'stddev.temperature')
 OF_GPS = ('gps.week', 'gps.leap_seconds', 'gps.geoid_height')
@@ -130,7 +130,7 @@ class TitanMSettings(common.CommonSettings):
 
     def for_recording(self) -> 'TitanMSettings':
         """Return the settings with which a driver requests nothing, as in a conversion."""
-        return replace(self, state=replace(self.state, rate=0.0),
+        return replace(super().for_recording(), state=replace(self.state, rate=0.0),
                        sensors=replace(self.sensors, rate=0.0), gps=replace(self.gps, rate=0.0))
 
     def for_file(self) -> 'TitanMSettings':
