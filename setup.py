@@ -20,7 +20,9 @@ setup(
         ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),
         (f'share/{PACKAGE}', ['package.xml']),
         (f'share/{PACKAGE}/config', glob('config/*')),
-        (f'share/{PACKAGE}/launch', glob('launch/*')),
+        (f'share/{PACKAGE}/launch', glob('launch/*.py')),
+        (f'share/{PACKAGE}/rviz', glob('rviz/*')),
+        (f'share/{PACKAGE}/urdf', glob('urdf/*')),
     ],
     install_requires=['numpy', 'pyproj', 'pyserial', 'pyyaml', 'rich', 'setuptools'],
     extras_require={

@@ -6,7 +6,7 @@ Start the driver for a Titan-M.
     ros2 launch bahrs_driver titan_m.launch.py port:=/dev/ttyUSB0
 
 Arguments are those of bahrs.launch.py. The sensor is a Titan-M even if the parameter file names
-another.
+another; only the argument sensor overrides it.
 """
 
 from bahrs_driver.node.launching import describe_driver

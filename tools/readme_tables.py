@@ -13,6 +13,7 @@ from bahrs_driver.diagnostics.link_task import LinkTask
 from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.task import DiagnosticTask
 from bahrs_driver.diagnostics.time_task import TimeTask
+from bahrs_driver.node.launch_arguments import ARGUMENTS
 from bahrs_driver.settings.parameter import Parameter
 from bahrs_driver.transport.link import Link
 
@@ -81,9 +82,18 @@ def parameters_table() -> str:
     return '\n'.join(rows)
 
 
+def launch_table() -> str:
+    """Return the arguments of the launch files as a Markdown table."""
+    rows = ['| argument | valid | what it is |', '|---|---|---|']
+    rows += [f'| `{row.name}` | {_choices(row.choices) or "any text"} | {row.description} |'
+             for row in ARGUMENTS]
+    return '\n'.join(rows)
+
+
 def with_tables(text: str) -> str:
     """Return the README with its tables generated again."""
-    tables = {'parameters': parameters_table, 'diagnostics': diagnostics_table}
+    tables = {'parameters': parameters_table, 'diagnostics': diagnostics_table,
+              'launch': launch_table}
     pattern = re.compile(rf'(<!-- ({"|".join(tables)}) -->\n).*?(<!-- end -->)', re.DOTALL)
     return pattern.sub(lambda match: match[1] + tables[match[2]]() + '\n' + match[3], text)
 
@@ -102,9 +112,13 @@ def _default(parameter: Parameter) -> str:
     return f'`{parameter.default}`{unit}' + (f', `{other.default}`' if other else '')
 
 
+def _choices(names: Iterable[str]) -> str:
+    return ', '.join(f'`{name}`' for name in names)
+
+
 def _valid(parameter: Parameter) -> str:
     if parameter.choices:
-        return ', '.join(f'`{choice}`' for choice in parameter.choices)
+        return _choices(parameter.choices)
     if parameter.low is not None:
         return f'{"0, " if parameter.or_zero else ""}{parameter.low} to {parameter.high}'
     return 'true or false' if isinstance(parameter.default, bool) else 'any text'

@@ -54,7 +54,10 @@ def test_files_are_where_ros_looks_for_them(prefix):
                  'share/bahrs_driver/package.xml', 'share/bahrs_driver/launch/bahrs.launch.py',
                  'share/bahrs_driver/config/bahrs.yaml',
                  'share/bahrs_driver/launch/titan_m.launch.py',
-                 'share/bahrs_driver/config/titan_m.yaml'):
+                 'share/bahrs_driver/config/titan_m.yaml',
+                 'share/bahrs_driver/launch/two_devices.launch.py',
+                 'share/bahrs_driver/rviz/bahrs.rviz',
+                 'share/bahrs_driver/urdf/bahrs.urdf.xacro'):
         assert (base / name).is_file(), name
 
 

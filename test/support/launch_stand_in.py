@@ -8,10 +8,12 @@ included it, where it stays; a default is set only where there is no value; a gr
 """
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import cache
 from pathlib import Path
+import runpy
 import sys
 from types import ModuleType
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import yaml
 
@@ -21,20 +23,28 @@ ROOT = Path(__file__).resolve().parents[2]
 class Substitution(Protocol):
     """What stands for a text that is known only when it is used."""
 
-    def perform(self) -> str:
+    def perform(self, context: 'LaunchContext') -> str:
         """Return the text."""
 
 
 Text = str | Substitution
 
 
+class Command(NamedTuple):
+    """A process that was started."""
+
+    executable: str
+    words: list[str]
+    respawn: bool = False
+
+
 class LaunchContext:
-    """Arguments by name, and the commands of the nodes that were started."""
+    """Arguments by name, and the commands that were started."""
 
     def __init__(self) -> None:
         """Begin with no arguments."""
         self.launch_configurations: dict[str, str] = {}
-        self.commands: list[list[str]] = []
+        self.commands: list[Command] = []
         self.log: list[str] = []
 
 
@@ -62,13 +72,20 @@ class LaunchDescription(LaunchDescriptionEntity):
 class DeclareLaunchArgument(LaunchDescriptionEntity):
     """An argument, which has its default where it has no value."""
 
-    def __init__(self, name: str, *, default_value: Text, description: str) -> None:
-        assert description
-        self.name, self.default = name, default_value
+    def __init__(self, name: str, *, default_value: Text | None = None, description: str,
+                 choices: Sequence[str] | None = None) -> None:
+        assert description and (not choices or default_value in choices)
+        self.name, self.default, self.choices = name, default_value, choices
 
     def execute(self, context: LaunchContext) -> None:
-        if self.name not in context.launch_configurations:
-            context.launch_configurations[self.name] = performed(self.default)
+        values = context.launch_configurations
+        if self.name not in values:
+            if self.default is None:
+                raise RuntimeError(f'Required launch argument "{self.name}" was not provided')
+            values[self.name] = performed(self.default, context)
+        if self.choices and values[self.name] not in self.choices:
+            raise RuntimeError(f'Argument "{self.name}" provided value "{values[self.name]}" is '
+                               f'not valid. Valid options are: {self.choices}')
 
 
 class SetLaunchConfiguration(LaunchDescriptionEntity):
@@ -78,7 +95,25 @@ class SetLaunchConfiguration(LaunchDescriptionEntity):
         self.name, self.value = name, value
 
     def execute(self, context: LaunchContext) -> None:
-        context.launch_configurations[self.name] = performed(self.value)
+        context.launch_configurations[self.name] = performed(self.value, context)
+
+
+class IncludeLaunchDescription(LaunchDescriptionEntity):
+    """A launch file, whose arguments are set in the scope of the including one."""
+
+    def __init__(self, path: Text, *, launch_arguments: Iterable[tuple[str, Text]]) -> None:
+        self.path, self.arguments = path, launch_arguments
+
+    def execute(self, context: LaunchContext) -> Entities:
+        described = generator(performed(self.path, context))()
+        return [*(SetLaunchConfiguration(*argument) for argument in self.arguments), described]
+
+
+@cache
+def generator(path: str) -> Callable[[], LaunchDescription]:
+    """Load a launch file, the first time with the stand-in installed."""
+    generate: Callable[[], LaunchDescription] = runpy.run_path(path)['generate_launch_description']
+    return generate
 
 
 class GroupAction(LaunchDescriptionEntity):
@@ -128,17 +163,24 @@ class Parameter:
 class Node(LaunchDescriptionEntity):
     """A process, of which only the command is made."""
 
-    def __init__(self, *, package: str, executable: str, name: str, namespace: str,
-                 parameters: Iterable[Parameter | str], output: str) -> None:
-        assert (package, executable, output) == ('bahrs_driver', 'driver_node', 'screen')
-        self.command = ['--ros-args', '-r', f'__node:={name}',
-                        '-r', f"__ns:=/{namespace.strip('/')}"]
+    def __init__(self, *, package: str, executable: str, namespace: str, output: str,
+                 name: str = '', parameters: Iterable[Parameter | Text] = (),
+                 arguments: Sequence[Text] = (), ros_arguments: Sequence[str] | None = None,
+                 respawn: bool = False, respawn_delay: float = 0.0) -> None:
+        assert (package, output) in (('bahrs_driver', 'screen'), ('rviz2', 'screen'))
+        self.respawn = respawn
+        words = [executable, *arguments]
+        if ros_arguments is not None:
+            words += ['--ros-args', *ros_arguments]
+        words += ['--ros-args', *(['-r', f'__node:={name}'] if name else []),
+                  '-r', f"__ns:=/{namespace.strip('/')}"]
         for item in parameters:
-            self.command += ['-p', item.rule] if isinstance(item, Parameter) \
-                else ['--params-file', item]
+            words += ['-p', item.rule] if isinstance(item, Parameter) else ['--params-file', item]
+        self.words = words
 
     def execute(self, context: LaunchContext) -> None:
-        context.commands.append(self.command)
+        executable, *words = (performed(word, context) for word in self.words)
+        context.commands.append(Command(executable, words, self.respawn))
 
 
 class PathJoinSubstitution:
@@ -147,8 +189,18 @@ class PathJoinSubstitution:
     def __init__(self, parts: Iterable[Text]) -> None:
         self.parts = parts
 
-    def perform(self) -> str:
-        return str(Path(*map(performed, self.parts)))
+    def perform(self, context: LaunchContext) -> str:
+        return str(Path(*(performed(part, context) for part in self.parts)))
+
+
+class LaunchConfiguration:
+    """The value of an argument."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def perform(self, context: LaunchContext) -> str:
+        return context.launch_configurations[self.name]
 
 
 class FindPackageShare:
@@ -157,13 +209,13 @@ class FindPackageShare:
     def __init__(self, package: str) -> None:
         assert package == 'bahrs_driver'
 
-    def perform(self) -> str:
+    def perform(self, _context: LaunchContext) -> str:
         return str(ROOT)
 
 
-def performed(value: Text) -> str:
+def performed(value: Text, context: LaunchContext) -> str:
     """Return the text that a substitution stands for, as launch does: never of a subclass."""
-    return ''.join([value if isinstance(value, str) else value.perform()])
+    return ''.join([value if isinstance(value, str) else value.perform(context)])
 
 
 def visit(entity: LaunchDescriptionEntity, context: LaunchContext) -> None:
@@ -176,8 +228,9 @@ def install(monkeypatch: Any) -> None:
     """Put these in the place of launch and launch_ros."""
     modules: dict[str, tuple[type, ...]] = {
         'launch': (LaunchContext, LaunchDescription, LaunchDescriptionEntity),
-        'launch.actions': (DeclareLaunchArgument, GroupAction, LogInfo, OpaqueFunction),
-        'launch.substitutions': (PathJoinSubstitution,),
+        'launch.actions': (DeclareLaunchArgument, GroupAction, IncludeLaunchDescription, LogInfo,
+                           OpaqueFunction),
+        'launch.substitutions': (LaunchConfiguration, PathJoinSubstitution),
         'launch_ros': (),
         'launch_ros.actions': (Node,),
         'launch_ros.descriptions': (Parameter,),
