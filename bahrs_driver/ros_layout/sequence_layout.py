@@ -8,7 +8,8 @@ behind them, each field is packed by itself: these messages are rare, or nearly 
 block of bytes.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import cached_property
 import struct
 from typing import Any
 
@@ -20,8 +21,12 @@ from bahrs_driver.units import NS_PER_S
 class SequenceLayout(MessageLayout):
     """The layout of one message type, some of whose rows are sequences."""
 
-    def serialize(self, values: tuple[Any, ...]) -> bytes:
-        """Return the serialized message; struct.error if a number does not fit its field."""
+    @cached_property
+    def serialize(self) -> Callable[[tuple[Any, ...]], bytes]:
+        """Function from values to a message; struct.error if a number does not fit its field."""
+        return self._serialize
+
+    def _serialize(self, values: tuple[Any, ...]) -> bytes:
         message = bytearray(ENCAPSULATION)
         _append(message, self.rows, values)
         return bytes(message)
