@@ -7,10 +7,11 @@ READY := $(VENV)/.ready
 WORKERS ?= 5
 PARALLEL := -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 NOBLE := .venv-noble
+PEERS := .venv-peers
 # Tests start hundreds of processes, each of which would compile the package again.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help setup run test check test-noble lint docs bench bench-node bench-clock bench-exits build clean
+.PHONY: help setup run test check test-noble lint docs bench bench-frame bench-node bench-clock bench-exits build clean
 
 help:
 	@echo 'make run      watch the driver at work on an emulated device'
@@ -21,7 +22,9 @@ help:
 	@echo 'make test-noble   all tests with the package versions of Ubuntu 24.04;'
 	@echo '              PYTHON=python3.12 for its Python, too'
 	@echo 'make lint     linters only'
-	@echo 'make bench    what a frame costs, with its floor'
+	@echo 'make bench    every figure of docs/performance.md beside its floor; fifteen minutes;'
+	@echo '              ROWS=decode,convert for some of them'
+	@echo 'make bench-frame  what a frame costs, with its floor'
 	@echo 'make bench-node   processor time and latency of the node, and a saturated line'
 	@echo 'make bench-clock   how far stamps are from the truth; twenty minutes'
 	@echo 'make bench-exits   how long the node takes to end after a signal; fifteen minutes'
@@ -64,7 +67,15 @@ docs: $(READY)
 	$(BIN)/python tools/readme_tables.py
 	$(BIN)/python tools/parameter_files.py
 
-bench: $(READY)
+bench: $(READY) $(PEERS)/.ready
+	PYTHONPATH=bench:test $(BIN)/python bench/run.py $(if $(ROWS),--rows "$(ROWS)")
+
+$(PEERS)/.ready: bench/streams/requirements.txt
+	$(PYTHON) -m venv $(PEERS)
+	$(PEERS)/bin/pip install --quiet --disable-pip-version-check --no-deps -r $<
+	@touch $@
+
+bench-frame: $(READY)
 	$(BIN)/python bench/protocol.py
 
 bench-node: $(READY)
@@ -82,4 +93,4 @@ build: $(READY)
 	. $(BIN)/activate && colcon build --paths .
 
 clean:
-	rm -rf $(VENV) $(NOBLE) build install log *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) $(NOBLE) $(PEERS) .bench build install log *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

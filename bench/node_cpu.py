@@ -9,6 +9,7 @@ ready-made messages at the same rates. Times are user and system time of all thr
 """
 
 import argparse
+from collections.abc import Iterator
 import contextlib
 import os
 from pathlib import Path
@@ -35,11 +36,13 @@ def share(process: Process, duration: float) -> float:
     time.sleep(SETTLING)
     before, begin = cpu_seconds(process.pid), time.monotonic()
     time.sleep(duration)
-    return 100 * (cpu_seconds(process.pid) - before) / (time.monotonic() - begin)
+    used, elapsed = cpu_seconds(process.pid) - before, time.monotonic() - begin
+    assert process.alive, process.text
+    return 100 * used / elapsed
 
 
 @contextlib.contextmanager
-def script(name: str, *words: str):
+def script(name: str, *words: str) -> Iterator[Process]:
     """Run a module of this directory in a process."""
     process = Process([sys.executable, str(HERE / f'{name}.py'), *words])
     try:

@@ -9,16 +9,13 @@ diagnostics.
 
 import json
 import struct
-import sys
 import time
 
-from bahrs_driver.process.shutdown_event import ShutdownEvent
 from diagnostic_msgs.msg import DiagnosticArray
 from line_writer import number_of
-import rclpy
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.signals import SignalHandlerOptions
+from rclpy.node import Node
 from sensor_msgs.msg import Imu
+import subscriber
 
 DEPTH = 5000                # this queue shall not be the one that overflows
 FORCE = struct.Struct('<2d')
@@ -57,22 +54,13 @@ def report(counter: Counter, array: DiagnosticArray) -> None:
           flush=True)
 
 
-def main() -> None:
-    """Subscribe until a signal comes."""
-    shutdown = ShutdownEvent()
-    shutdown.install_signal_handlers()
-    rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
-    node, counter = rclpy.create_node('numbered'), Counter()
+def subscribe(node: Node) -> None:
+    """Subscribe to the samples and the diagnostics."""
+    counter = Counter()
     node.create_subscription(Imu, 'imu/data_raw', counter.add, DEPTH, raw=True)
     node.create_subscription(DiagnosticArray, '/diagnostics',
                              lambda array: report(counter, array), 10)
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
-    print('ready', flush=True)
-    while not shutdown.is_set():
-        executor.spin_once(0.1)
-    rclpy.shutdown()
 
 
 if __name__ == '__main__':
-    main()
+    subscriber.run('numbered', subscribe)

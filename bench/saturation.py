@@ -22,6 +22,7 @@ from support.waiting import wait_for
 
 BUSY = 2                    # processes
 TOPIC = 'imu/data_raw'
+Counts = dict[str, Any]
 
 
 @contextlib.contextmanager
@@ -37,7 +38,7 @@ def busy_processes(count: int) -> Iterator[None]:
             process.wait()
 
 
-def latest(process: Process) -> dict[str, Any]:
+def latest(process: Process) -> Counts:
     """Return the latest counts that a process has printed."""
     lines = [line for line in list(process.lines) if line.startswith('{') and line[-1] == '\n']
     return json.loads(lines[-1]) if lines else {}
@@ -51,11 +52,11 @@ def in_use(subscriber: Process) -> bool:
 
 def complete(subscriber: Process) -> bool:
     """Return whether the subscriber has all that was published, and the node is silent."""
-    return latest(subscriber)['messages']['Rates'].startswith('No data')
+    return str(latest(subscriber)['messages']['Rates']).startswith('No data')
 
 
-def measure(baud_rate: int, duration: float, busy: int) -> None:
-    """Measure and print a row."""
+def measure(baud_rate: int, duration: float, busy: int) -> tuple[Counts, Counts, float]:
+    """Return what writer and subscriber counted, and the share of the node in percent."""
     with contextlib.ExitStack() as stack:
         writer = stack.enter_context(script('line_writer', '--baud-rate', str(baud_rate),
                                             '--duration', str(duration)))
@@ -70,10 +71,10 @@ def measure(baud_rate: int, duration: float, busy: int) -> None:
         assert wait_for(lambda: latest(writer), 2 * duration + 60), writer.text
         used = cpu_seconds(node.pid) - before
         assert wait_for(lambda: complete(subscriber)), subscriber.text
-        show(latest(writer), latest(subscriber), 100 * used / duration)
+        return latest(writer), latest(subscriber), 100 * used / duration
 
 
-def show(line: dict[str, Any], counts: dict[str, Any], cpu: float) -> None:
+def show(line: Counts, counts: Counts, cpu: float) -> None:
     """Print what was lost where."""
     diagnostics = counts['diagnostics']
     frames, published = (int(diagnostics[name]) for name in (
@@ -100,7 +101,7 @@ def main() -> None:
     use_own_domain()
     for busy in options.busy:
         print(f'{options.baud_rate:,} baud for {options.duration:g} s, {busy} busy processes:')
-        measure(options.baud_rate, options.duration, busy)
+        show(*measure(options.baud_rate, options.duration, busy))
 
 
 if __name__ == '__main__':
