@@ -21,6 +21,7 @@ from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.errors import CaptureError, CommandError, WriteError
 from bahrs_driver.files.new_directory import new_directory
+from bahrs_driver.process.garbage_collection import rare_collections
 from bahrs_driver.process.printable import printable
 from bahrs_driver.reprocess.bag_topic_writer import BagTopicWriter
 from bahrs_driver.reprocess.conversion import Conversion, ConversionResult
@@ -106,7 +107,7 @@ def _convert(options: argparse.Namespace, conversion: Conversion, capture: Captu
              folder: Path) -> ConversionResult:
     writer: CsvTopicWriter | BagTopicWriter = CsvTopicWriter(folder) \
         if options.kind == 'csv' else BagTopicWriter(folder, folder.name, options.namespace)
-    with contextlib.closing(writer), progress_bar() as bar:
+    with contextlib.closing(writer), progress_bar() as bar, rare_collections():
         tasks: dict[str, TaskID] = {}
 
         def progress(what: str) -> None:
