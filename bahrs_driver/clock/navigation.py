@@ -34,7 +34,10 @@ class NavigationCounter:
 
     def pair(self, navigation: int, sample: int) -> None:
         """Add the counters of a navigation message and of the latest sample."""
-        self._recent.append((sample - self._samples * navigation) % COUNTER_MODULUS)
+        difference = (sample - self._samples * navigation) % COUNTER_MODULUS
+        self._recent.append(difference)
+        if self._certain and difference == self._difference:
+            return
         frequent = max(self._recent, key=self._recent.count)
         unanimous = self._recent.count(frequent) == WITNESSES
         if unanimous or not self._certain:

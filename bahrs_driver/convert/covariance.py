@@ -30,6 +30,7 @@ def diagonal(variances: tuple[float, ...]) -> Matrix:
     return tuple(variances[i] if i == j else 0.0 for i in range(size) for j in range(size))
 
 
+@lru_cache(maxsize=_REMEMBERED)
 def known_diagonal(variances: tuple[float, ...]) -> Matrix:
     """Return the flat diagonal matrix of variances, of which 0 is unknown."""
     if not any(variances):
@@ -61,6 +62,7 @@ def of_orientation(deviations: tuple[float | None, ...]) -> Matrix:
     return known_diagonal(tuple((deviation or 0.0) ** 2 for deviation in deviations))
 
 
+@lru_cache(maxsize=_REMEMBERED)
 def of_z_only(index: int, stddev: float) -> Matrix:
     """Return the 6x6 covariance of a pose or twist of which only one component is measured."""
     variances = [UNKNOWN_VARIANCE] * 6

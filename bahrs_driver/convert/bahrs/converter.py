@@ -83,11 +83,14 @@ class BahrsOptions:
 class _Sample(NamedTuple):
     """An inertial sample in published axes, with NaN for unavailable components."""
 
-    stamp_ns: int
     force: Vector
     force_covariance: Matrix
     rate: Vector
     rate_covariance: Matrix
+
+
+_NO_SAMPLE = _Sample(values.NO_VECTOR, covariance.NOT_REPORTED,
+                     values.NO_VECTOR, covariance.NOT_REPORTED)
 
 
 class BahrsConverter:
@@ -138,6 +141,7 @@ class BahrsConverter:
     def _forget(self) -> None:
         self._pairing = NavigationCounter(ROLES.samples_per_navigation, prior=0)
         self._latest: tuple[Inertial, int] | None = None    # inertial message, stamp
+        self._converted: tuple[Inertial | None, _Sample] = None, _NO_SAMPLE
         self._accuracy.reset()
         self._orientation = NO_ROTATION
         self._navigation_stamp = 0
@@ -147,13 +151,20 @@ class BahrsConverter:
         yield from self._changes(message, stamp_ns)
         if 'imu/data_raw' in self._topics:
             yield 'imu/data_raw', self._imu(
-                self._sample(message, stamp_ns), None, covariance.NOT_REPORTED)
+                stamp_ns, self._sample(message), None, covariance.NOT_REPORTED)
 
-    def _sample(self, message: Inertial, stamp_ns: int) -> _Sample:
+    def _sample(self, message: Inertial) -> _Sample:
+        """Return the sample of a message, mostly that of the last call."""
+        last, sample = self._converted
+        if message is not last:
+            sample = self._convert_sample(message)
+            self._converted = message, sample
+        return sample
+
+    def _convert_sample(self, message: Inertial) -> _Sample:
         options = self._options
         factors = options.integrity_policy.variance_factors(message.health)
         return _Sample(
-            stamp_ns,
             options.convention.body(mask_unavailable(message.specific_force, factors[:3])),
             covariance.of_vector(factors[:3], options.force_stddev),
             options.convention.body(mask_unavailable(message.angular_rate, factors[3:])),
@@ -191,8 +202,8 @@ class BahrsConverter:
         if orientation[0] and heading_factor is not None:
             yield from self._transform(orientation[0], stamp_ns)
         if 'imu/data' in self._topics:
-            sample = self._sample(inertial, stamp_ns) if inertial else _no_sample(stamp_ns)
-            yield 'imu/data', self._imu(sample, *orientation)
+            sample = self._sample(inertial) if inertial else _NO_SAMPLE
+            yield 'imu/data', self._imu(stamp_ns, sample, *orientation)
         if tilt_factor is not None and heading_factor is not None \
                 and self._options.publish_field and 'imu/mag' in self._topics:
             yield 'imu/mag', self._field(message, max(tilt_factor, heading_factor), stamp_ns)
@@ -273,12 +284,8 @@ class BahrsConverter:
             options.field_strength, options.field_dip, options.convention, accuracy.north(factor))
         return values.MagneticField(stamp_ns, options.frame_id, field, spread)
 
-    def _imu(self, sample: _Sample, orientation: Quaternion | None, spread: Matrix) -> values.Imu:
+    def _imu(self, stamp_ns: int, sample: _Sample, orientation: Quaternion | None,
+             spread: Matrix) -> values.Imu:
         return values.imu(
-            sample.stamp_ns, self._options.frame_id, orientation, spread, sample.rate,
+            stamp_ns, self._options.frame_id, orientation, spread, sample.rate,
             sample.rate_covariance, sample.force, sample.force_covariance)
-
-
-def _no_sample(stamp_ns: int) -> _Sample:
-    return _Sample(stamp_ns, values.NO_VECTOR, covariance.NOT_REPORTED,
-                   values.NO_VECTOR, covariance.NOT_REPORTED)

@@ -40,8 +40,9 @@ def derived_field(roll: float, pitch: float, heading: float, heading_std: float 
     """
     north, east, down = north_east_down(roll, pitch, heading)
     horizontal, vertical = strength * math.cos(dip), strength * math.sin(dip)
-    x, y, z = (horizontal * n + vertical * d for n, d in zip(north, down))
-    field = convention.body((x, y, z))
+    (nx, ny, nz), (dx, dy, dz) = north, down
+    field = convention.body((horizontal * nx + vertical * dx, horizontal * ny + vertical * dy,
+                             horizontal * nz + vertical * dz))
     if heading_std is None:
         return field, covariance.UNKNOWN
     across = math.hypot(horizontal * heading_std,
