@@ -11,13 +11,12 @@ they cannot disagree.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, fields, replace
-from functools import cached_property
 from itertools import islice
 import struct
 from typing import Any, Generic, TypeVar
 
-from bahrs_driver.protocol.compiled_layout import compile_decoder, compile_encoder
 from bahrs_driver.protocol.integrity import two_bit_fields, valid_bits
+from bahrs_driver.protocol.message_decoder import message_decoder
 from bahrs_driver.protocol.row import Row
 
 Vector = tuple[float, float, float]
@@ -139,15 +138,8 @@ class Layout(Generic[Message]):
             for item in fields(message)]  # type: ignore[arg-type]
         self._struct = _packer(self.rows, byte_order)
         self.size = self._struct.size
-
-    @cached_property
-    def decode(self) -> Callable[..., Message]:
-        """Return a function of bytes and of the start of the payload (0); it takes any content."""
-        return compile_decoder(self.message, self.rows, self._struct)
-
-    @cached_property
-    def _encode(self) -> Callable[[Message], bytes]:
-        return compile_encoder(self.rows, self._struct)
+        # A function of bytes and of the start of the payload (0), which takes any content.
+        self.decode: Callable[..., Message] = message_decoder(message, self.rows, self._struct)
 
     def raw(self, payload: bytes, start: int = 0) -> dict[str, Any]:
         """Return the raw numbers on the wire by field name."""
@@ -158,19 +150,29 @@ class Layout(Generic[Message]):
     def encode(self, message: Message) -> bytes:
         """Encode a message; raise ValueError if a value does not fit its field."""
         try:
-            return self._encode(message)
+            return self._struct.pack(*self._raw_numbers(message))
         except _MISFITS:
             for name, row in self.rows:
-                self._check(name, row, message)
+                self._check(name, row, getattr(message, name))
             raise
 
-    def _check(self, name: str, row: Row, message: Message) -> None:
+    def _raw_numbers(self, message: Message) -> list[Any]:
+        numbers: list[Any] = []
+        for name, row in self.rows:
+            raw = row.raw(getattr(message, name))
+            if row.count == 1:
+                numbers.append(raw)
+            else:
+                numbers += raw
+        return numbers
+
+    def _check(self, name: str, row: Row, value: Any) -> None:
         """Raise ValueError if the value of a field does not fit."""
-        rows = [(name, row)]
         try:
-            compile_encoder(rows, _packer(rows, self.byte_order))(message)
+            raw = row.raw(value)
+            _packer([(name, row)], self.byte_order).pack(*([raw] if row.count == 1 else raw))
         except _MISFITS as error:
-            value, unit = getattr(message, name), row.unit and ' ' + row.unit
+            unit = row.unit and ' ' + row.unit
             raise ValueError(f'{name}: {value}{unit} does not fit its field ({error})') from error
 
 

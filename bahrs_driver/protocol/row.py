@@ -6,15 +6,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+Conversion = Callable[[Any], Any]
+
 
 @dataclass(frozen=True)
 class Row:
     """
     One field on the wire: its struct code, its count of repetitions, and its conversion.
 
-    With a scale, value = scale * raw + offset for each repetition. With `decode` and `encode`,
-    these functions convert a field that is not repeated. Without either, the raw number is the
-    value. `reserved` bytes follow it. They are ignored, and written as zeros.
+    With a scale, value = scale * raw + offset; a vector of three components has no offset. With
+    `decode` and `encode`, these functions convert a field that is not repeated. Without either,
+    the raw number is the value. `reserved` bytes follow it; they are ignored, and written as 0.
     """
 
     code: str
@@ -22,11 +24,25 @@ class Row:
     unit: str = ''
     scale: float | None = None
     offset: float = 0.0
-    decode: Callable[[Any], Any] | None = None
-    encode: Callable[[Any], Any] | None = None
+    decode: Conversion | None = None
+    encode: Conversion | None = None
     reserved: int = 0
+
+    def __post_init__(self) -> None:
+        if self.scale is not None and self.count > 1:
+            assert self.count == 3 and not self.offset, 'a vector'
 
     @property
     def wire_code(self) -> str:
         """Return the struct code of all repetitions and reserved bytes."""
         return (self.code if self.count == 1 else f'{self.count}{self.code}') + 'x' * self.reserved
+
+    def raw(self, value: Any) -> Any:
+        """Return the raw number of a value; of a repeated field, all of them."""
+        if self.encode:
+            return self.encode(value)
+        if self.scale is None:
+            return value
+        if self.count == 1:
+            return round((value - self.offset) / self.scale)
+        return [round(component / self.scale) for component in value]

@@ -23,7 +23,7 @@ from support.shared_files import shared_file
 LAYOUTS = [*layouts().values(), *layouts('int16').values(), *TITAN_LAYOUTS.values()]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Strange:
     """A message of another device, with other rows and another byte order."""
 

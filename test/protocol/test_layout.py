@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of rows and layouts, with messages of their own."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import Any
 
@@ -25,7 +25,7 @@ import pytest
 from support import independent
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Sample:
     """A message with a field of each kind."""
 
@@ -38,7 +38,7 @@ class Sample:
     numbers: Any = wire(integers('I', 2))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Changing:
     """A message whose fields change with the protocol version."""
 
@@ -53,7 +53,7 @@ PAYLOAD = bytes.fromhex('07' '3d00' 'ffff02000000' '0300' '616200' '00ff' '01000
 
 def changed(**values):
     """Return the sample with some values changed."""
-    return Sample(**{**vars(SAMPLE), **values})
+    return replace(SAMPLE, **values)
 
 
 def test_a_payload_decodes_field_by_field():
