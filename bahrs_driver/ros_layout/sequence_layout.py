@@ -8,8 +8,7 @@ behind them, each field is packed by itself: these messages are rare, or nearly 
 block of bytes.
 """
 
-from collections.abc import Callable, Iterable
-from functools import cached_property
+from collections.abc import Iterable
 import struct
 from typing import Any
 
@@ -21,12 +20,8 @@ from bahrs_driver.units import NS_PER_S
 class SequenceLayout(MessageLayout):
     """The layout of one message type, some of whose rows are sequences."""
 
-    @cached_property
-    def serialize(self) -> Callable[[tuple[Any, ...]], bytes]:
-        """Function from values to a message; struct.error if a number does not fit its field."""
-        return self._serialize
-
-    def _serialize(self, values: tuple[Any, ...]) -> bytes:
+    def serialize(self, values: tuple[Any, ...]) -> bytes:
+        """Return the serialized message; struct.error if a number does not fit its field."""
         message = bytearray(ENCAPSULATION)
         _append(message, self.rows, values)
         return bytes(message)
