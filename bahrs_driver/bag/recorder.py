@@ -116,8 +116,7 @@ class Recorder:
         Messages after a log time in ns are kept for the next call: an older message may still
         arrive.
         """
-        for message in self._queue.take_all():
-            self._received.add(message.log_time, [message])
+        self._received.add((message.log_time, message) for message in self._queue.take_all())
         return [message._replace(log_time=log_time)
                 for log_time, message in self._received.pop_until(until)]
 

@@ -25,9 +25,9 @@ class ReorderBuffer(Generic[T]):
         """Return the number of items held."""
         return len(self._items)
 
-    def add(self, log_ns: int, items: Iterable[T]) -> None:
-        """Hold items with a log time. Those of equal log times keep their order."""
-        self._items += [(log_ns, item) for item in items]
+    def add(self, items: Iterable[tuple[int, T]]) -> None:
+        """Hold items with their log times. Those of equal log times keep their order."""
+        self._items += items
 
     def pop_until(self, log_ns: float = math.inf) -> list[tuple[int, T]]:
         """

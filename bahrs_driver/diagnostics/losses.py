@@ -35,8 +35,8 @@ class SequenceLosses:
     def observe(self, message: Any, stream_time: float, rate: float) -> None:
         """Count a message at a time of the stream in s, without pauses; its rate is in Hz."""
         name, sequence = message.NAME, message.sequence
-        self.lost[name] += missing(*self._last[name], sequence, stream_time, rate) \
-            if name in self._last else 0
+        last = self._last.get(name)
+        self.lost[name] += missing(*last, sequence, stream_time, rate) if last else 0
         self._last[name] = sequence, stream_time
 
     def restart(self) -> None:

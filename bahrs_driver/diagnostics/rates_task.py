@@ -56,18 +56,21 @@ class RatesTask:
     def observe(self, message: Message, now: float) -> None:
         """Count a message."""
         name = message.NAME
-        if name not in self._expected:
+        rate = self._expected.get(name)
+        if rate is None:
             if message.SERVICE:
                 self._last_service = now
             return
-        if self._last_message is not None:
-            self._handle_pause(now, self._last_message)
-        self._last_message = now
+        last = self._last_message
+        if now != last:                 # most messages arrive together
+            if last is not None:
+                self._handle_pause(now, last)
+            self._last_message = now
         if not self._measuring:
             self._restart_rates()
             self._measuring = True
         self._received[name] += 1
-        self._losses.observe(message, self._stream_time, self._expected[name])
+        self._losses.observe(message, self._stream_time, rate)
 
     def restart(self) -> None:
         """Begin another stream: the device was switched on, or the port opened again."""

@@ -8,27 +8,27 @@ needs to know of the whole recording, the second one stamps and converts. Log ti
 their stamps without the steps of the host clock (see bag.log_clock).
 """
 
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.bag.feed_capture import ChunkEvents, feed_capture
-from bahrs_driver.bag.log_clock import LogClock
+from bahrs_driver.bag.log_clock import LogClock, LogInstant
 from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.clock import Clock
 from bahrs_driver.convert import raw
-from bahrs_driver.convert.outgoing import Outgoing
 from bahrs_driver.convert.values import DiagnosticArray, UInt8MultiArray
 from bahrs_driver.devices.parts import Parts
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.spec import AnyDevice
-from bahrs_driver.pipeline import Unstamped
+from bahrs_driver.pipeline import Event, Unstamped
 from bahrs_driver.reprocess import replay_diagnostics
 from bahrs_driver.reprocess.decoding_faults import DecodingFaults
 from bahrs_driver.reprocess.device_time_capture import DeviceTimeCapture
 from bahrs_driver.reprocess.ordered_writer import OrderedWriter
 from bahrs_driver.reprocess.replay_diagnostics import ReplayDiagnostics
-from bahrs_driver.reprocess.topic_writer import TopicWriter
+from bahrs_driver.reprocess.topic_writer import LoggedValues, TopicWriter
 from bahrs_driver.units import NS_PER_S
 
 Progress = Callable[[str], None]
@@ -77,7 +77,7 @@ class Conversion:
             progress('converting')
             second_pass.convert(fed)
             if self._capture.timed and fed.chunk.data:
-                output.add(fed.read.log_ns, [(raw.TOPIC, self._raw(fed.chunk))])
+                output.add([(fed.read.log_ns, (raw.TOPIC, self._raw(fed.chunk)))])
             output.write_until(fed.read.log_ns)
         output.write_all()
         self.notices = [*parts.take_notices(), *second_pass.faults.notices()]
@@ -131,22 +131,31 @@ class _SecondPass:
     def convert(self, fed: ChunkEvents) -> None:
         """Add the messages of all topics that a chunk leads to."""
         chunk, read, events, disconnected = fed
-        now, converter = read.log_ns, self._parts.converter
-        self._add_reports(self._diagnostics.reports_before(now))
-        for message, _, stamp_ns in self.faults.messages(events):
-            self._add(converter.convert(message, stamp_ns), stamp_ns - read.offset)
-            self._diagnostics.counters.converted += 1
-            self._output.add(now, self._parts.service_messages(message))
+        diagnostics = self._diagnostics
+        self._output.add(map(_logged, diagnostics.reports_before(read.log_ns)))
+        messages = self._converted(events, read)
         if disconnected:
-            self._add(converter.end_stream(read.ros_ns), now)
-        self._add_reports(self._diagnostics.update(chunk, read, events))
+            messages += [(read.log_ns, message)
+                         for message in self._parts.converter.end_stream(read.ros_ns)]
+        counts = diagnostics.counters.messages
+        for topic, count in Counter([topic for _, (topic, _) in messages]).items():
+            counts[topic] += count
+        self._output.add(messages)
+        self._output.add(map(_logged, diagnostics.update(chunk, read, events)))
 
-    def _add(self, messages: Outgoing, log_ns: int) -> None:
-        added = list(messages)
-        for topic, _ in added:
-            self._diagnostics.counters.messages[topic] += 1
-        self._output.add(log_ns, added)
+    def _converted(self, events: Iterable[Event], read: LogInstant) -> list[LoggedValues]:
+        convert, offset = self._parts.converter.convert, read.offset
+        messages: list[LoggedValues] = []
+        for message, _, stamp_ns in self.faults.messages(events):
+            log_ns = stamp_ns - offset
+            messages += [(log_ns, converted) for converted in convert(message, stamp_ns)]
+            self._diagnostics.counters.converted += 1
+            if message.SERVICE:
+                self._output.add((read.log_ns, converted)
+                                 for converted in self._parts.service_messages(message))
+        return messages
 
-    def _add_reports(self, reports: Iterator[tuple[int, DiagnosticArray]]) -> None:
-        for log_ns, array in reports:
-            self._output.add(log_ns, [(replay_diagnostics.TOPIC, array)])
+
+def _logged(report: tuple[int, DiagnosticArray]) -> LoggedValues:
+    log_ns, array = report
+    return log_ns, (replay_diagnostics.TOPIC, array)

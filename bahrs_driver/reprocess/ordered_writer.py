@@ -7,7 +7,7 @@ import math
 
 from bahrs_driver.bag.reorder_buffer import ReorderBuffer
 from bahrs_driver.convert.outgoing import Values
-from bahrs_driver.reprocess.topic_writer import TopicWriter
+from bahrs_driver.reprocess.topic_writer import LoggedValues, TopicWriter
 from bahrs_driver.units import NS_PER_S
 
 LONGEST_DELAY = 10 * NS_PER_S   # from the log time of a message to the read that completes it
@@ -25,9 +25,9 @@ class OrderedWriter:
         self._held = ReorderBuffer[tuple[str, Values]](MOST_HELD)
         self._enough = WRITTEN_AT_ONCE          # messages held, for some to be written
 
-    def add(self, log_ns: int, messages: Iterable[tuple[str, Values]]) -> None:
-        """Hold messages with their topics. Those of equal log times keep their order."""
-        self._held.add(log_ns, messages)
+    def add(self, messages: Iterable[LoggedValues]) -> None:
+        """Hold messages. Those of equal log times keep their order."""
+        self._held.add(messages)
 
     def write_until(self, now: int) -> None:
         """Write messages, if they are many, that no message after now, a log time, can precede."""
