@@ -21,8 +21,8 @@ from rclpy.signals import SignalHandlerOptions
 SAMPLE_PERIOD = 0.005       # s
 # Published every so many samples; topics that only publish changes are left out.
 EVERY = {'imu/data_raw': 1, 'imu/data': 2, 'imu/mag': 2, 'static_pressure': 2,
-         'pressure_altitude': 2, 'altitude/pose': 2, 'velocity': 2, 'heading': 2,
-         'time_reference': 20}
+         'pressure_altitude': 2, 'altitude/pose': 2, 'velocity': 2, 'attitude/rpy': 2,
+         'heading': 2, 'time_reference': 20}
 
 
 def main() -> None:

@@ -106,6 +106,22 @@ def flu_to_enu(frd_to_ned: Quaternion) -> Quaternion:
                       _SQRT_HALF * (x - y), _SQRT_HALF * (w - z))
 
 
+def flu_angles(frd: Vector) -> Vector:
+    """
+    Convert roll, pitch and yaw of FRD axes in NED to those of FLU axes in ENU (radians).
+
+    The yaw is from -pi to pi, as are all yaws that are published.
+    """
+    roll, pitch, yaw = frd
+    return roll, 0.0 - pitch, math.remainder(math.pi / 2 - yaw, math.tau)
+
+
+def frd_angles(frd: Vector) -> Vector:
+    """Return roll, pitch and yaw with a yaw from -pi to pi (radians)."""
+    roll, pitch, yaw = frd
+    return roll, pitch, math.remainder(yaw, math.tau)
+
+
 def _identity(value: Any) -> Any:
     return value
 
@@ -119,9 +135,10 @@ class Convention:
     diagonal: Callable[[Vector], Vector]                # variances about navigation axes
     orientation: Callable[[Quaternion], Quaternion]     # body to navigation axes
     axes: Quaternion                                    # body axes to forward, left, up
+    angles: Callable[[Vector], Vector]                  # roll, pitch, yaw
 
 
 CONVENTIONS = {
-    'enu': Convention(flu, enu, enu_diagonal, flu_to_enu, NO_ROTATION),
-    'ned': Convention(_identity, _identity, _identity, _identity, _HALF_TURN_ABOUT_X),
+    'enu': Convention(flu, enu, enu_diagonal, flu_to_enu, NO_ROTATION, flu_angles),
+    'ned': Convention(_identity, _identity, _identity, _identity, _HALF_TURN_ABOUT_X, frd_angles),
 }

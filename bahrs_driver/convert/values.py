@@ -132,6 +132,14 @@ class Float64(NamedTuple):
     data: float
 
 
+class Vector3Stamped(NamedTuple):
+    """geometry_msgs/Vector3Stamped."""
+
+    stamp_ns: int
+    frame_id: str
+    vector: Vector
+
+
 class TransformStamped(NamedTuple):
     """geometry_msgs/TransformStamped: the pose of the child frame in the frame, in m."""
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from bahrs_driver.convert.covariance import UNKNOWN_VARIANCE
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import TwistWithCovarianceStamped, Vector3
+from geometry_msgs.msg import TwistWithCovarianceStamped, Vector3, Vector3Stamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, NavSatFix, TimeReference
 from std_msgs.msg import Float64
@@ -95,6 +95,12 @@ def _heading(message: Float64) -> str:
     return 'unavailable' if math.isnan(message.data) else number_text(message.data, '.1f', '°')
 
 
+def _angles(message: Vector3Stamped) -> str:
+    angles = message.vector
+    return ' '.join(f'{name} {number_text(math.degrees(angle), "+.2f", "°")}' for name, angle in (
+        ('roll', angles.x), ('pitch', angles.y), ('yaw', angles.z)))
+
+
 def _velocity(message: TwistWithCovarianceStamped) -> str:
     velocity = message.twist.twist.linear
     has_xy = message.twist.covariance[0] < UNKNOWN_VARIANCE     # else only z is measured
@@ -135,6 +141,7 @@ FORMATS: dict[str, Callable[..., str]] = {
     'temperature': lambda message: number_text(message.temperature, '.1f', ' °C'),
     'fix': _position,
     'odometry': _odometry,
+    'attitude/rpy': _angles,
     'heading': _heading,
     'integrity': _integrity,
     'time_reference': _device_time,

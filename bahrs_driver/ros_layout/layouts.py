@@ -46,6 +46,8 @@ LAYOUTS: dict[type, MessageLayout] = {
         array('twist.covariance', 36)),
     values.TimeReference: MessageLayout(
         'sensor_msgs/msg/TimeReference', *HEADER, time('time_ref'), text('source')),
+    values.Vector3Stamped: MessageLayout(
+        'geometry_msgs/msg/Vector3Stamped', *HEADER, members('vector', 'xyz')),
     values.Float64: MessageLayout('std_msgs/msg/Float64', number('data', 'd')),
     values.TFMessage: SequenceLayout(
         'tf2_msgs/msg/TFMessage',

@@ -9,7 +9,9 @@ from bahrs_driver.convert.axes import (
     enu,
     enu_diagonal,
     flu,
+    flu_angles,
     flu_to_enu,
+    frd_angles,
     Quaternion,
     quaternion_from_euler,
 )
@@ -84,3 +86,15 @@ def test_ned_changes_nothing():
     ned, vector, turn = CONVENTIONS['ned'], (1.0, 2.0, 3.0), Quaternion(0.5, 0.5, -0.5, 0.5)
     assert (ned.body(vector), ned.world(vector), ned.diagonal(vector)) == (vector,) * 3
     assert ned.orientation(turn) == turn
+
+
+@pytest.mark.parametrize('convert, orientation', [
+    (flu_angles, flu_to_enu), (frd_angles, lambda quaternion: quaternion)])
+@given(roll=angles, pitch=angles, yaw=st.floats(-20, 20))
+def test_angles_are_those_of_the_orientation(convert, orientation, roll, pitch, yaw):
+    """Both signs of a quaternion are the same; yaw is from -180 to 180 degrees."""
+    found = convert((roll, pitch, yaw))
+    expected = orientation(quaternion_from_euler(roll, pitch, yaw))
+    overlap = sum(a * b for a, b in zip(quaternion_from_euler(*found), expected))
+    assert abs(overlap) == pytest.approx(1.0)
+    assert -math.pi <= found[2] <= math.pi

@@ -80,6 +80,9 @@ def test_topics_agree_with_the_truth(flown, convention):
                                           RATE, convention))
             elif topic == 'imu/data' and out.orientation_covariance[0] >= 0:
                 note('angle', angle_between(out.orientation, navigation, convention))
+            elif topic == 'attitude/rpy' and not math.isnan(out.vector.x + out.vector.z):
+                orientation = quaternion_from_euler(out.vector.x, out.vector.y, out.vector.z)
+                note('angle', angle_between(orientation, navigation, convention))
             elif topic == 'pressure_altitude':
                 note('height', abs(out.altitude - navigation['pressure_height']))
                 seen.append((out.altitude, navigation['magnetic_heading']))

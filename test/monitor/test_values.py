@@ -88,6 +88,12 @@ def test_velocity():
     assert FORMATS['velocity'](upward) == 'x +0.00 y +0.00 z +1.50 m/s'
 
 
+def test_angles():
+    """In degrees; an unavailable one is a dash."""
+    message = to_message(values.Vector3Stamped(0, 'imu', (math.radians(10.0), 0.0, math.nan)))
+    assert FORMATS['attitude/rpy'](message) == 'roll +10.00° pitch +0.00° yaw -'
+
+
 def test_every_topic_has_a_format():
     """The topics are those of all devices."""
     assert set(FORMATS) == set(all_topics())

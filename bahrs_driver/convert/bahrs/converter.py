@@ -46,6 +46,7 @@ TOPICS: dict[str, type] = {
     'pressure_altitude': values.NavSatFix,
     'altitude/pose': values.PoseWithCovarianceStamped,
     'velocity': values.TwistWithCovarianceStamped,
+    'attitude/rpy': values.Vector3Stamped,
     'heading': values.Float64,
     'integrity': values.DiagnosticArray,
     'time_reference': values.TimeReference,
@@ -199,18 +200,14 @@ class BahrsConverter:
         tilt_factor = None if roll_factor is None or pitch_factor is None \
             else max(roll_factor, pitch_factor)
         orientation = self._attitude(message, tilt_factor, heading_factor)
-        if orientation[0] and heading_factor is not None:
-            yield from self._transform(orientation[0], stamp_ns)
+        yield from self._transform(orientation[0], heading_factor, stamp_ns)
         if 'imu/data' in self._topics:
             sample = self._sample(inertial) if inertial else _NO_SAMPLE
             yield 'imu/data', self._imu(stamp_ns, sample, *orientation)
         if tilt_factor is not None and heading_factor is not None \
                 and self._options.publish_field and 'imu/mag' in self._topics:
             yield 'imu/mag', self._field(message, max(tilt_factor, heading_factor), stamp_ns)
-        if 'heading' in self._topics:
-            yield 'heading', values.Float64(
-                math.nan if heading_factor is None
-                else math.degrees(message.magnetic_heading) % 360.0)
+        yield from self._angles(message, (roll_factor, pitch_factor, heading_factor), stamp_ns)
 
     def _sample_of(self, message: Navigation, stamp_ns: int) -> tuple[Inertial | None, int]:
         """Return the inertial message of a navigation message, if known, and their stamp."""
@@ -272,9 +269,23 @@ class BahrsConverter:
                                       self._orientation)
         return self._orientation, self._accuracy.matrix(tilt_factor, heading_factor)
 
-    def _transform(self, orientation: Quaternion, stamp_ns: int) -> Outgoing:
+    def _angles(self, message: Navigation, factors: tuple[VarianceFactor, ...],
+                stamp_ns: int) -> Outgoing:
+        """Yield roll, pitch, yaw and the magnetic heading; an unavailable angle is NaN."""
+        options, topics = self._options, self._topics
+        roll, pitch, heading = mask_unavailable(
+            (message.roll, message.pitch, message.magnetic_heading), factors)
+        if 'attitude/rpy' in topics:
+            yield 'attitude/rpy', values.Vector3Stamped(
+                stamp_ns, options.frame_id,
+                options.convention.angles((roll, pitch, heading + options.declination)))
+        if 'heading' in topics:
+            yield 'heading', values.Float64(math.degrees(heading) % 360.0)
+
+    def _transform(self, orientation: Quaternion | None, heading_factor: VarianceFactor,
+                   stamp_ns: int) -> Outgoing:
         mounting = self._options.mounting
-        if mounting and TF in self._topics:
+        if orientation and heading_factor is not None and mounting and TF in self._topics:
             yield TF, mounting.attitude(stamp_ns, self._options.world_frame_id, orientation)
 
     def _field(self, message: Navigation, factor: float, stamp_ns: int) -> values.MagneticField:

@@ -43,6 +43,7 @@ TOPICS: dict[str, type] = {
     'fix': values.NavSatFix,
     'velocity': values.TwistWithCovarianceStamped,
     'odometry': values.Odometry,
+    'attitude/rpy': values.Vector3Stamped,
     'heading': values.Float64,
     'time_reference': values.TimeReference,
 }
@@ -218,6 +219,9 @@ class TitanConverter:
         if rotation and _finite(message.position_ned + message.velocity_ned) \
                 and (self._had_fix or not self._expects(Gps, stamp_ns)):
             yield 'odometry', self._odometry(message, rotation, stamp_ns)
+        yield 'attitude/rpy', values.Vector3Stamped(
+            stamp_ns, options.frame_id, options.convention.angles(
+                (roll, pitch, heading + options.declination)) if rotation else values.NO_VECTOR)
         yield 'heading', values.Float64(
             math.degrees(heading) % 360.0 if rotation else math.nan)
 

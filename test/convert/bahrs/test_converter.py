@@ -8,7 +8,9 @@ import math
 from bahrs_driver.convert.axes import CONVENTIONS
 from bahrs_driver.convert.bahrs.converter import BahrsConverter, TOPICS
 from bahrs_driver.convert.bahrs.integrity_policy import IntegrityPolicy
-from bahrs_driver.protocol.bahrs.messages import InertialTime, SoftwareVersion, SyncPulseTime
+from bahrs_driver.protocol.bahrs.messages import (
+    InertialTime, Navigation, SoftwareVersion, SyncPulseTime,
+)
 from bahrs_driver.protocol.integrity import Integrity
 import pytest
 from support.device_examples import ACCURACY, BAHRS_OPTIONS as OPTIONS, INERTIAL, NAVIGATION
@@ -138,7 +140,8 @@ def test_imu_topics_continue_without_available_signals():
     raw = published(nothing)
     assert set(raw) == {'integrity', 'imu/data_raw'}
     out = published(nothing, replace(NAVIGATION, health=(GONE,) * 5))
-    assert set(out) == {'heading', 'integrity', 'imu/data'} and math.isnan(out['heading'].data)
+    assert set(out) == {'attitude/rpy', 'heading', 'integrity', 'imu/data'}
+    assert all(map(math.isnan, (out['heading'].data, *xyz(out['attitude/rpy'].vector))))
     for imu in (raw['imu/data_raw'], out['imu/data']):
         assert all(map(math.isnan, (*xyz(imu.linear_acceleration), *xyz(imu.angular_velocity))))
         assert [matrix[0] for matrix in (
@@ -243,6 +246,25 @@ def test_topics_of_an_unavailable_signal_are_not_published(signal, topics):
     everything = set(published(INERTIAL, NAVIGATION))
     out = published(INERTIAL, with_health(NAVIGATION, **{signal: GONE}))
     assert everything - set(out) == topics
+
+
+@pytest.mark.parametrize('convention, degrees', [('enu', (10, -20, 55)), ('ned', (10, 20, 35))])
+def test_roll_pitch_and_yaw(convention, degrees):
+    """In radians, with the axes and the declination of imu/data."""
+    out = published(NAVIGATION, convention=CONVENTIONS[convention],
+                    declination=math.radians(5.0))['attitude/rpy']
+    assert out.header.frame_id == 'imu_link'
+    assert tuple(map(math.degrees, xyz(out.vector))) == pytest.approx(degrees)
+
+
+@pytest.mark.parametrize('signal', ['roll', 'pitch', 'magnetic_heading'])
+def test_an_unavailable_angle_is_nan(signal):
+    """The others are published: they are known without it."""
+    everything = xyz(published(NAVIGATION)['attitude/rpy'].vector)
+    without = xyz(published(with_health(NAVIGATION, **{signal: GONE}))['attitude/rpy'].vector)
+    index = Navigation.SIGNALS[2:].index(signal)
+    assert math.isnan(without[index])
+    assert without[:index] + without[index + 1:] == everything[:index] + everything[index + 1:]
 
 
 @pytest.mark.parametrize('signal', ['roll', 'pitch'])

@@ -63,7 +63,7 @@ def test_sensors_in_ros_axes():
 def test_state_in_ros_axes():
     """Axes are east, north, up, or those of the body; heading east is yaw 0."""
     out = converted(converter(), STATE)
-    assert set(out) == {'imu/data', 'velocity', 'odometry', 'heading'}
+    assert set(out) == {'imu/data', 'velocity', 'odometry', 'attitude/rpy', 'heading'}
     assert out['heading'].data == pytest.approx(90.0)
     assert out['velocity'].header.frame_id == 'map'
     assert xyz(out['velocity'].twist.twist.linear) == (4.0, 3.0, 1.0)
@@ -216,14 +216,23 @@ def test_nan_is_not_reported():
     parts = converter()
     converted(parts, replace(SENSORS, acceleration=(NAN, 0.0, 0.0)))
     out = converted(parts, replace(STATE, attitude=(NAN, 0.0, 0.0), velocity_ned=(0.0, NAN, 0.0)))
-    assert set(out) == {'imu/data', 'heading'}
-    assert math.isnan(out['heading'].data)
+    assert set(out) == {'imu/data', 'attitude/rpy', 'heading'}
+    assert all(map(math.isnan, (out['heading'].data, *xyz(out['attitude/rpy'].vector))))
     assert out['imu/data'].orientation_covariance[0] == -1
     assert out['imu/data'].linear_acceleration_covariance[0] == -1
     assert out['imu/data'].angular_velocity_covariance[0] == pytest.approx(1e-4)
     assert set(converted(parts, replace(SENSORS, magnetic_field_tesla=(0.0,) * 3,
                                         absolute_pressure=0.0))) == {
         'imu/data_raw', 'differential_pressure', 'temperature'}
+
+
+@pytest.mark.parametrize('convention, degrees', [('enu', (10, -20, 55)), ('ned', (10, 20, 35))])
+def test_roll_pitch_and_yaw(convention, degrees):
+    """In radians, with the axes and the declination of imu/data."""
+    out = converted(converter(convention, declination=math.radians(5.0)), replace(
+        STATE, attitude=tuple(map(math.radians, (10, 20, 30)))))['attitude/rpy']
+    assert out.header.frame_id == 'imu'
+    assert tuple(map(math.degrees, xyz(out.vector))) == pytest.approx(degrees, abs=1e-5)
 
 
 def test_declination_turns_yaw_and_not_the_heading():
