@@ -10,17 +10,17 @@ from typing import Any
 from xml.etree import ElementTree
 
 from bahrs_driver.convert.bahrs.converter import TOPICS
+from bahrs_driver.devices.registry import parameter_table
 from bahrs_driver.protocol.bahrs.messages import Inertial, Navigation
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Quaternion
+from geometry_msgs.msg import PoseWithCovarianceStamped
 import pytest
 from support.ros_messages import message_types
 
 CONFIG = Path(__file__).resolve().parents[2] / 'config'
 ALL_TOPICS = {**message_types(TOPICS), 'diagnostics': DiagnosticArray}
-# PlotJuggler 3.8.10 and later make these of a quaternion, in radians (ParserROS::parseQuaternion);
-# before that they were roll_deg, pitch_deg and yaw_deg.
-OF_QUATERNIONS = {'roll', 'pitch', 'yaw'}
+# Of the topics here, the 3D panels of Foxglove and Lichtblick show only this type.
+IN_3D = {PoseWithCovarianceStamped}
 
 
 def foxglove() -> dict[str, Any]:
@@ -71,9 +71,21 @@ def test_every_panel_is_shown_and_described():
 @pytest.mark.parametrize('path', sorted(set(foxglove_paths())))
 def test_foxglove_shows_what_is_published(path):
     """Topic and field exist."""
-    topic, *fields = re.sub(r'\.@.*', '', path).removeprefix('/').split('.', 1)
+    topic, *fields = path.removeprefix('/').split('.', 1)
     words = re.findall(r'\w+', fields[0]) if fields and '{' not in path else []
     follow(ALL_TOPICS[topic], words)
+
+
+def test_plots_use_no_functions():
+    """Foxglove has .@rpy and .@degrees, which Lichtblick does not have."""
+    assert not [path for path in foxglove_paths() if '@' in path]
+
+
+def test_the_3d_panel_shows_the_height_and_follows_the_vehicle():
+    """By the frame that the driver publishes."""
+    panel = foxglove()['configById']['3D!attitude']
+    assert {ALL_TOPICS[topic.removeprefix('/')] for topic in panel['topics']} == IN_3D
+    assert panel['followTf'] == parameter_table().values({})['base_frame_id']
 
 
 def test_foxglove_shows_the_integrity_of_every_signal():
@@ -89,13 +101,14 @@ def test_plotjuggler_shows_what_is_published(curve):
     topic = max((name for name in TOPICS if curve.startswith(f'/{name}/')), key=len)
     *parents, last = curve.removeprefix(f'/{topic}/').split('/')
     parent = follow(ALL_TOPICS[topic], parents)
-    assert hasattr(parent, last) or isinstance(parent, Quaternion) and last in OF_QUATERNIONS
+    assert hasattr(parent, last)
 
 
-def test_plotjuggler_shows_the_attitude():
-    """By the names that PlotJuggler of today gives it, and no other."""
-    shown = {curve for curve in curves() if '/orientation/' in curve}
-    assert shown == {f'/imu/data/orientation/{angle}' for angle in OF_QUATERNIONS}
+@pytest.mark.parametrize('paths, separator', [(foxglove_paths(), '.'), (curves(), '/')])
+def test_attitude_is_shown_by_its_own_topic(paths, separator):
+    """Each tool has its own names for the angles that it makes of a quaternion."""
+    assert {path for path in paths if 'attitude' in path} == {
+        separator.join(('/attitude/rpy', 'vector', axis)) for axis in 'xyz'}
 
 
 def test_plotjuggler_layout_is_whole():
