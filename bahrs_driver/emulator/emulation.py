@@ -41,9 +41,10 @@ class Emulation:
 
     def advance(self, until: float) -> Iterator[SentFrame]:
         """Advance the device to a time, and yield the frames that it sends."""
-        while self.device.next_time <= until:
-            plugged = self.plugged(self.device.next_time)
-            for emission in self.device.step():
+        device = self.device
+        while (time := device.next_time) <= until:
+            plugged = self.plugged(time)
+            for emission in device.step():
                 yield self._send(emission, plugged)
 
     def receive(self, data: bytes, now: float) -> Iterator[SentFrame]:
@@ -80,6 +81,6 @@ class Emulation:
         data = self.faults.apply(emission.data)
         if not self.cable.send(emission.ready, data):
             return OVERRUN
-        if emission.data in data:
+        if data is emission.data or emission.data in data:
             return INTACT
         return DAMAGED if data else DROPPED

@@ -3,10 +3,13 @@
 """The motions that `bahrs emulate --motion` offers."""
 
 from collections.abc import Callable, Sequence
+from itertools import accumulate
 import math
 from typing import NamedTuple
 
-from bahrs_driver.emulator.motion import Motion, Profile, SmoothValue, true_values, Truth
+from bahrs_driver.emulator.motion import (
+    Motion, Profile, SmoothValue, Steps, true_values, Truth,
+)
 
 AIRFIELD = 504.0        # m, pressure height
 RUNWAY = 300.0          # degrees, heading at rest
@@ -93,25 +96,27 @@ class Flight:
     def __init__(self, phases: Sequence[Phase] = FLIGHT, height: float = AIRFIELD,
                  heading: float = RUNWAY) -> None:
         """Start at a height in m and a heading in degrees."""
-        headings = [heading + sum(phase.turn for phase in phases[:index + 1])
-                    for index in range(len(phases))]
         self._height = height
-        self._speed = Profile(0, [(phase.duration, phase.speed) for phase in phases])
-        self._climb = Profile(0, [(phase.duration, phase.climb) for phase in phases])
-        self._airborne = Profile(0, [(phase.duration, phase.airborne) for phase in phases])
-        self._track = Profile(math.radians(heading), [
-            (phase.duration, math.radians(end)) for phase, end in zip(phases, headings)])
+        self._steps = Steps(phase.duration for phase in phases)
+        self._speed = Profile(self._steps, 0, [phase.speed for phase in phases])
+        self._climb = Profile(self._steps, 0, [phase.climb for phase in phases])
+        self._airborne = Profile(self._steps, 0, [phase.airborne for phase in phases])
+        headings = accumulate((phase.turn for phase in phases), initial=heading)
+        start, *ends = map(math.radians, headings)
+        self._track = Profile(self._steps, start, ends)
 
     @property
     def duration(self) -> float:
         """Seconds of one flight, from rest to rest."""
-        return self._speed.duration
+        return self._steps.duration
 
     def at(self, time: float) -> Truth:
         """Return the true values at a time in seconds."""
-        time %= self.duration
-        return true_values(self._speed.at(time), self._climb.at(time), self._track.at(time),
-                           self._airborne.at(time), self._height + self._climb.integral(time))
+        step, share = self._steps.find(time % self._steps.duration)
+        climb = self._climb
+        return true_values(self._speed.at(step, share), climb.at(step, share),
+                           self._track.at(step, share), self._airborne.at(step, share),
+                           self._height + climb.integral(step, share))
 
 
 MOTIONS: dict[str, Callable[[], Motion]] = {

@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measurement errors of a sensor: a constant bias and white noise."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 import math
 import random
 
+from bahrs_driver.emulator.motion import TURN
 from bahrs_driver.process.text_values import known, number
 from bahrs_driver.protocol.layout import Vector
 
@@ -42,31 +43,51 @@ class MeasurementErrors:
 
     def __init__(self, seed: int, deviations: Mapping[str, float] | None = None,
                  biases: Mapping[str, Values] | None = None) -> None:
-        self._gauss = random.Random(f'noise {seed}').gauss
+        self._noise = _standard_normal(random.Random(f'noise {seed}'))
         self._deviations = {name: (deviations or {}).get(name, 0.0) for name in COMPONENTS}
         self._biases = {name: (biases or {}).get(name, (0.0,) * count)
                         for name, count in COMPONENTS.items()}
 
-    def add(self, quantity: str, values: Values) -> Values:
-        """Return the measured values of a quantity."""
-        deviation, gauss = self._deviations[quantity], self._gauss
-        if not deviation:
-            return tuple(value + bias for value, bias in zip(values, self._biases[quantity]))
-        return tuple(value + bias + gauss(0.0, deviation)
-                     for value, bias in zip(values, self._biases[quantity]))
+    def add(self, quantity: str, value: float) -> float:
+        """Return the measured value of a quantity with one component."""
+        bias, = self._biases[quantity]
+        deviation = self._deviations[quantity]
+        return value + bias + deviation * next(self._noise) if deviation else value + bias
 
     def add_vector(self, quantity: str, vector: Vector) -> Vector:
         """Return the measured vector of a quantity."""
-        x, y, z = self.add(quantity, vector)
-        return x, y, z
+        x, y, z = vector
+        bias_x, bias_y, bias_z = self._biases[quantity]
+        deviation, noise = self._deviations[quantity], self._noise
+        if not deviation:
+            return x + bias_x, y + bias_y, z + bias_z
+        return (x + bias_x + deviation * next(noise), y + bias_y + deviation * next(noise),
+                z + bias_z + deviation * next(noise))
+
+
+def _standard_normal(source: random.Random) -> Iterator[float]:
+    """
+    Yield independent numbers of mean 0 and standard deviation 1.
+
+    They are those of source.gauss(0.0, 1.0), in half of the time.
+    """
+    draw, log, sqrt, cos, sin = source.random, math.log, math.sqrt, math.cos, math.sin
+    while True:
+        angle, radius = draw() * TURN, sqrt(-2.0 * log(1.0 - draw()))
+        yield cos(angle) * radius
+        yield sin(angle) * radius
 
 
 def clamp(value: float, limit: float) -> float:
     """Limit a value to the range from -limit to limit."""
+    if -limit <= value <= limit:
+        return value
     return max(-limit, min(limit, value))
 
 
 def clamp_vector(vector: Vector, limit: float) -> Vector:
     """Limit each component to the range from -limit to limit."""
     x, y, z = vector
+    if -limit <= x <= limit and -limit <= y <= limit and -limit <= z <= limit:
+        return vector
     return clamp(x, limit), clamp(y, limit), clamp(z, limit)

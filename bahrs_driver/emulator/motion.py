@@ -14,7 +14,7 @@ atmosphere is the standard one, and magnetic north is true north.
 """
 
 from bisect import bisect_right
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from itertools import accumulate
 import math
 from typing import NamedTuple, Protocol
@@ -23,6 +23,7 @@ from bahrs_driver.protocol.layout import Vector
 from bahrs_driver.units import STANDARD_GRAVITY
 
 TURN = 2 * math.pi
+_new = tuple.__new__        # takes half of the time of Truth() and SmoothValue()
 
 
 class Truth(NamedTuple):
@@ -57,6 +58,20 @@ class SmoothValue(NamedTuple):
     second: float = 0.0
 
 
+class Steps:
+    """The steps of quantities that change together, in `duration` seconds."""
+
+    def __init__(self, durations: Iterable[float]) -> None:
+        """Set the duration of each step in seconds."""
+        self.durations = tuple(durations)
+        *self._starts, self.duration = accumulate(self.durations, initial=0.0)
+
+    def find(self, time: float) -> tuple[int, float]:
+        """Return the step at a time from 0 to the duration, and the share of it that is over."""
+        index = bisect_right(self._starts, time) - 1
+        return index, (time - self._starts[index]) / self.durations[index]
+
+
 class Profile:
     """
     A quantity that changes smoothly from value to value.
@@ -65,42 +80,31 @@ class Profile:
     ends. The integral is exact.
     """
 
-    def __init__(self, start: float, steps: Iterable[tuple[float, float]]) -> None:
-        """Start at a value; each step has a duration in seconds and the value at its end."""
-        durations, values = zip(*steps)
-        self._starts: list[float] = [0.0, *accumulate(durations)]
-        self._durations: tuple[float, ...] = durations
-        self._values: list[float] = [start, *values]
-        areas = ((a + b) / 2 * duration
-                 for a, b, duration in zip(self._values, self._values[1:], durations))
+    def __init__(self, steps: Steps, start: float, ends: Sequence[float]) -> None:
+        """Set the values at the start and at the end of each step."""
+        values = [start, *ends]
+        self._steps = list(zip(steps.durations, values, ends, map(SmoothValue, values)))
+        areas = ((a + b) / 2 * duration for duration, a, b, _ in self._steps)
         self._integrals: list[float] = [0.0, *accumulate(areas)]
 
-    @property
-    def duration(self) -> float:
-        """Seconds from the start to the end of the last step."""
-        return self._starts[-1]
+    def at(self, index: int, x: float) -> SmoothValue:
+        """Return the quantity when a share of a step is over."""
+        duration, start, end, constant = self._steps[index]
+        if start == end:
+            return constant
+        rise, y = end - start, 1 - x
+        return _new(SmoothValue, (
+            start + rise * x ** 3 * (10 - 15 * x + 6 * x * x),
+            rise * 30 * x * x * y * y / duration,
+            rise * 60 * x * y * (y - x) / (duration * duration)))
 
-    def at(self, time: float) -> SmoothValue:
-        """Return the quantity at a time from 0 to the duration."""
-        _, x, duration, start, rise = self._step(time)
-        if not rise:
-            return SmoothValue(start)
-        y = 1 - x
-        return SmoothValue(start + rise * x ** 3 * (10 - 15 * x + 6 * x * x),
-                           rise * 30 * x * x * y * y / duration,
-                           rise * 60 * x * y * (y - x) / (duration * duration))
-
-    def integral(self, time: float) -> float:
-        """Return the integral of the quantity from 0 to a time."""
-        index, x, duration, start, rise = self._step(time)
-        return (self._integrals[index]
-                + duration * (start * x + rise * x ** 4 * (2.5 - 3 * x + x * x)))
-
-    def _step(self, time: float) -> tuple[int, float, float, float, float]:
-        index = min(bisect_right(self._starts, time), len(self._durations)) - 1
-        start, duration = self._values[index], self._durations[index]
-        return (index, (time - self._starts[index]) / duration, duration, start,
-                self._values[index + 1] - start)
+    def integral(self, index: int, x: float) -> float:
+        """Return the integral of the quantity since the start."""
+        duration, start, end, _ = self._steps[index]
+        area = start * x
+        if start != end:
+            area += (end - start) * x ** 4 * (2.5 - 3 * x + x * x)
+        return self._integrals[index] + duration * area
 
 
 def true_values(speed: SmoothValue, climb: SmoothValue, track: SmoothValue,
@@ -110,42 +114,49 @@ def true_values(speed: SmoothValue, climb: SmoothValue, track: SmoothValue,
 
     airborne is the share of the bank of a coordinated turn: 0 on the ground, 1 in the air.
     """
-    bank = _coordinated_bank(speed, track)
-    roll = airborne.value * bank.value
-    roll_rate = airborne.first * bank.value + airborne.value * bank.first
+    ground_speed, acceleration, _ = speed
+    climb_rate, climb_acceleration, _ = climb
+    direction, turn_rate, _ = track
+    share, share_rate, _ = airborne
+    bank, bank_rate = _coordinated_bank(speed, track)
+    roll = share * bank
+    roll_rate = share_rate * bank + share * bank_rate
     pitch, pitch_rate = _path_pitch(speed, climb)
-    sin_track, cos_track = math.sin(track.value), math.cos(track.value)
-    axes = math.sin(roll), math.cos(roll), math.sin(pitch), math.cos(pitch)
+    sin_roll, cos_roll = math.sin(roll), math.cos(roll)
+    axes = sin_roll, cos_roll, math.sin(pitch), math.cos(pitch)
     # Level axes: forward along the track, right, down.
-    force = _to_body(
-        (speed.first, speed.value * track.first, -climb.first - STANDARD_GRAVITY), axes)
-    p, q, r = _to_body((0.0, 0.0, track.first), axes)
-    rate = (p + roll_rate, q + axes[1] * pitch_rate, r - axes[0] * pitch_rate)
-    return Truth(
-        force, rate, roll, pitch, track.value % TURN, height,
-        (speed.value * cos_track, speed.value * sin_track, -climb.value))
+    force = _to_body(acceleration, ground_speed * turn_rate,
+                     -climb_acceleration - STANDARD_GRAVITY, *axes)
+    p, q, r = _to_body(0.0, 0.0, turn_rate, *axes)
+    return _new(Truth, (
+        force, (p + roll_rate, q + cos_roll * pitch_rate, r - sin_roll * pitch_rate),
+        roll, pitch, direction % TURN, height,
+        (ground_speed * math.cos(direction), ground_speed * math.sin(direction), -climb_rate)))
 
 
-def _coordinated_bank(speed: SmoothValue, track: SmoothValue) -> SmoothValue:
-    """Return the bank of a coordinated turn, with its rate."""
-    ratio = speed.value * track.first / STANDARD_GRAVITY
-    ratio_rate = (speed.first * track.first + speed.value * track.second) / STANDARD_GRAVITY
-    return SmoothValue(math.atan(ratio), ratio_rate / (1 + ratio * ratio))
+def _coordinated_bank(speed: SmoothValue, track: SmoothValue) -> tuple[float, float]:
+    """Return the bank of a coordinated turn, and its rate."""
+    ground_speed, acceleration, _ = speed
+    _, turn_rate, turn_acceleration = track
+    ratio = ground_speed * turn_rate / STANDARD_GRAVITY
+    ratio_rate = (acceleration * turn_rate + ground_speed * turn_acceleration) / STANDARD_GRAVITY
+    return math.atan(ratio), ratio_rate / (1 + ratio * ratio)
 
 
 def _path_pitch(speed: SmoothValue, climb: SmoothValue) -> tuple[float, float]:
     """Return the pitch along the path, and its rate."""
-    if climb.value == climb.first == 0:
+    ground_speed, acceleration, _ = speed
+    climb_rate, climb_acceleration, _ = climb
+    if climb_rate == climb_acceleration == 0:
         return 0.0, 0.0
-    square = speed.value ** 2 + climb.value ** 2
-    return (math.atan2(climb.value, speed.value),
-            (climb.first * speed.value - climb.value * speed.first) / square)
+    square = ground_speed ** 2 + climb_rate ** 2
+    return (math.atan2(climb_rate, ground_speed),
+            (climb_acceleration * ground_speed - climb_rate * acceleration) / square)
 
 
-def _to_body(level: Vector, axes: tuple[float, float, float, float]) -> Vector:
+def _to_body(forward: float, right: float, down: float, sin_roll: float, cos_roll: float,
+             sin_pitch: float, cos_pitch: float) -> Vector:
     """Rotate a vector from level axes by pitch and then by roll."""
-    forward, right, down = level
-    sin_roll, cos_roll, sin_pitch, cos_pitch = axes
     below = sin_pitch * forward + cos_pitch * down
     return (cos_pitch * forward - sin_pitch * down,
             cos_roll * right + sin_roll * below,

@@ -46,7 +46,7 @@ class Cable:
 
         Return False if the data is lost because the output buffer of the device is full.
         """
-        start = max(ready, self._line_free)
+        start = ready if ready > self._line_free else self._line_free
         if start > ready + LONGEST_QUEUE:
             return False
         if data:
@@ -102,8 +102,8 @@ class Cable:
         arrived = []
         while self._sent:
             start, data = self._sent[0]
-            count = self._count_arrived(start, until)
-            if count < len(data):
+            if (until - start) / self.byte_time + _ROUNDING < len(data):
+                count = self._count_arrived(start, until)
                 if count:
                     arrived.append(data[:count])
                     self._sent[0] = start + count * self.byte_time, data[count:]

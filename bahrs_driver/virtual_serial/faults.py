@@ -41,6 +41,7 @@ class Faults:
         self.counts: Counter[str] = Counter()
         self._random = {name: random.Random(f'{name} {seed}') for name in NAMES}
         self._rates = dict.fromkeys(NAMES, 0.0)
+        self._active = False
         self._distance = dict.fromkeys(NAMES, math.inf)     # bytes or frames until the next fault
         for name, rate in (rates or {}).items():
             self.set_rate(name, rate)
@@ -48,10 +49,13 @@ class Faults:
     def set_rate(self, name: str, rate: float) -> None:
         """Set the rate of a fault from the next frame on."""
         self._rates[name] = rate
+        self._active = any(self._rates.values())
         self._distance[name] = self._draw(name)
 
     def apply(self, frame: bytes) -> bytes:
         """Return the bytes that arrive when a frame is sent."""
+        if not self._active:
+            return frame
         if self._hits('drop_frame', 1):
             return b''
         for name, damage in _DAMAGES.items():

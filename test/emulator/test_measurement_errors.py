@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of bias and noise."""
 
+import random
 import statistics
 
 from bahrs_driver.emulator.measurement_errors import MeasurementErrors, parse_bias, parse_deviation
@@ -10,20 +11,22 @@ import pytest
 
 def test_without_parameters_the_truth_is_measured():
     """The measured values equal the true values."""
-    assert MeasurementErrors(1).add('specific_force', (0.1, -0.2, -9.8)) == (0.1, -0.2, -9.8)
+    errors = MeasurementErrors(1)
+    assert errors.add_vector('specific_force', (0.1, -0.2, -9.8)) == (0.1, -0.2, -9.8)
+    assert errors.add('pressure_height', 100.0) == 100.0
 
 
 def test_deviation_and_bias_are_as_requested():
     """Ten thousand samples agree within their statistics."""
     noise = MeasurementErrors(3, {'pressure_height': 0.5}, {'pressure_height': (2.0,)})
-    errors = [noise.add('pressure_height', (100.0,))[0] - 100.0 for _ in range(10_000)]
+    errors = [noise.add('pressure_height', 100.0) - 100.0 for _ in range(10_000)]
     assert statistics.mean(errors) == pytest.approx(2.0, abs=0.02)
     assert statistics.pstdev(errors) == pytest.approx(0.5, rel=0.03)
 
 
 def test_the_seed_decides():
     """The same seed gives the same noise, another seed other noise."""
-    draws = [MeasurementErrors(seed, {'angular_rate': 1.0}).add('angular_rate', (0.0,) * 3)
+    draws = [MeasurementErrors(seed, {'angular_rate': 1.0}).add_vector('angular_rate', (0.0,) * 3)
              for seed in (1, 1, 2)]
     assert draws[0] == draws[1] != draws[2]
 
@@ -33,6 +36,14 @@ def test_texts_become_parameters():
     assert parse_deviation('angular_rate=0.001') == ('angular_rate', 0.001)
     assert parse_bias('specific_force=0.1,0,-0.2') == ('specific_force', (0.1, 0.0, -0.2))
     assert parse_bias('pressure_height=-3') == ('pressure_height', (-3.0,))
+
+
+def test_the_noise_is_that_of_random_gauss():
+    """Whose numbers a test or a user may know."""
+    noise = MeasurementErrors(7, {'angular_rate': 0.5, 'velocity_down': 2.0})
+    drawn = [*noise.add_vector('angular_rate', (0.0,) * 3), noise.add('velocity_down', 0.0)]
+    gauss = random.Random('noise 7').gauss
+    assert drawn == [gauss(0.0, 0.5), gauss(0.0, 0.5), gauss(0.0, 0.5), gauss(0.0, 2.0)]
 
 
 @pytest.mark.parametrize(('parse', 'text', 'says'), [

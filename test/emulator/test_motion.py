@@ -5,7 +5,7 @@
 import math
 
 from bahrs_driver.emulator.flights import AIRFIELD, FLIGHT, Flight, MOTIONS, SteadyTurn, Still
-from bahrs_driver.emulator.motion import Profile
+from bahrs_driver.emulator.motion import Profile, Steps
 from bahrs_driver.units import STANDARD_GRAVITY
 import numpy as np
 import pytest
@@ -140,12 +140,13 @@ def test_a_coordinated_turn_has_no_lateral_force():
 
 def test_a_profile_is_exact():
     """Halfway through a step a smoothstep is halfway up, at its steepest."""
-    profile = Profile(1.0, [(2.0, 1.0), (4.0, 9.0)])
-    assert profile.duration == 6.0
-    assert profile.at(1.0) == (1.0, 0.0, 0.0)
-    assert profile.at(4.0) == pytest.approx((5.0, 8.0 * 1.875 / 4.0, 0.0))
-    assert profile.at(6.0) == pytest.approx((9.0, 0.0, 0.0))
-    assert profile.integral(6.0) == pytest.approx(2.0 + 20.0)
+    steps = Steps([2.0, 4.0])
+    assert steps.duration == 6.0
+    profile = Profile(steps, 1.0, [1.0, 9.0])
+    assert profile.at(*steps.find(1.0)) == (1.0, 0.0, 0.0)
+    assert profile.at(*steps.find(4.0)) == pytest.approx((5.0, 8.0 * 1.875 / 4.0, 0.0))
+    assert profile.at(*steps.find(6.0)) == pytest.approx((9.0, 0.0, 0.0))
+    assert profile.integral(*steps.find(6.0)) == pytest.approx(2.0 + 20.0)
 
 
 def test_every_motion_can_be_chosen():

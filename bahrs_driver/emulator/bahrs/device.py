@@ -15,6 +15,7 @@ from bahrs_driver.emulator.bahrs.stream import (
     SIGNALS,
     SimulatedMessage,
     TimeLabel,
+    with_own_time,
 )
 from bahrs_driver.emulator.device import Emission, EmulatedDevice
 from bahrs_driver.emulator.device_clock import DeviceClock
@@ -117,9 +118,13 @@ class BahrsDevice(EmulatedDevice):
             self.pulses.skip_until(time)
             self.clock.advance(INERTIAL_PERIOD_US)
             return []
-        messages = [*self.stream.sample(self._motion.at(time), reading), *self._pulse(time)]
-        emissions = [self._emission(item, time, reading) for item in messages]
-        emissions += self._debug_frames(time, reading)
+        emissions = [self._emission(item, time, time)
+                     for item in self.stream.sample(self._motion.at(time), reading)]
+        pulse = self.pulses.take_latest(time)
+        if pulse is not None:
+            emissions.append(self._emission(self._pulse_message(pulse), time, pulse))
+        if self._behavior.debug_rate:
+            emissions += self._debug_frames(time, reading)
         self._advance_clock()
         return emissions
 
@@ -137,7 +142,8 @@ class BahrsDevice(EmulatedDevice):
         """Return the version messages, and advance the clock to the first sample."""
         versions = [SOFTWARE, HARDWARE] if self._behavior.version >= HARDWARE.SINCE else [SOFTWARE]
         for message in versions:
-            yield self._emission(SimulatedMessage(message), self._power_on, self.clock.reading_us)
+            truth = {'device_time_us': self.clock.reading_us}
+            yield self._emission((message, truth), self._power_on, self._power_on)
         self.clock.advance(self._start_up.first_sample_us)
         self.pulses.skip_until(self.clock.time)
 
@@ -147,26 +153,20 @@ class BahrsDevice(EmulatedDevice):
         pause = start_up.pause_us if self.stream.count == start_up.pause_before else 0
         self.clock.advance(INERTIAL_PERIOD_US + pause)
 
-    def _pulse(self, time: float) -> Iterator[SimulatedMessage]:
-        pulse = self.pulses.take_latest(time)
-        if pulse is not None:
-            sequence = self._pulse_count % COUNTER_MODULUS
-            message = SyncPulseTime(sequence, self.clock.reading_at(pulse))
-            yield SimulatedMessage(message, time=pulse)
-            self._pulse_count += 1
+    def _pulse_message(self, pulse: float) -> SimulatedMessage:
+        sequence = self._pulse_count % COUNTER_MODULUS
+        self._pulse_count += 1
+        return with_own_time(SyncPulseTime(sequence, self.clock.reading_at(pulse)))
 
-    def _emission(self, item: SimulatedMessage, time: float, reading: int) -> Emission:
-        message, behavior = item.message, self._behavior
+    def _emission(self, item: SimulatedMessage, sent: float, time: float) -> Emission:
+        message, truth = item
+        behavior = self._behavior
         frame = self._codec.encode(message, behavior.version, behavior.crc)
-        truth = {'device_time_us': getattr(message, 'device_time_us', reading), **item.truth}
-        if hasattr(message, 'sequence'):
-            truth['sequence'] = message.sequence
-        return Emission(time + behavior.output_delay, frame, message.NAME, truth,
-                        time if item.time is None else item.time)
+        return Emission(sent + behavior.output_delay, frame, message.NAME, truth, time)
 
     def _debug_frames(self, time: float, reading: int) -> Iterator[Emission]:
         rate = self._behavior.debug_rate
-        if not rate or self.stream.count % round(US_PER_S / INERTIAL_PERIOD_US / rate):
+        if self.stream.count % round(US_PER_S / INERTIAL_PERIOD_US / rate):
             return
         text = b'emulated debug output'
         contents = {0xC0: struct.pack('<BQH', 1, reading, len(text)) + text,

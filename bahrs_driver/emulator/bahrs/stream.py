@@ -11,9 +11,9 @@ A navigation message and the inertial message before it belong to the same insta
 carry the time of the latest sample and, by a quirk of the real device, the counter of the next.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 import math
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from bahrs_driver.emulator.measurement_errors import (
     clamp, clamp_vector, MeasurementErrors, Values,
@@ -31,6 +31,7 @@ from bahrs_driver.protocol.bahrs.messages import (
     Navigation,
     NavigationTime,
     RATE_2,
+    SyncPulseTime,
     VELOCITY,
 )
 from bahrs_driver.protocol.integrity import Health, Integrity
@@ -55,14 +56,13 @@ _FIRST_DEVIATION = 0.091
 _MIN_ATTITUDE_DEVIATION, _MIN_HEADING_DEVIATION = 0.005, 0.0175
 
 TimeLabel = Literal['next', 'same']
+TimedMessage = Accuracy | InertialTime | NavigationTime | SyncPulseTime
+SimulatedMessage = tuple[BahrsMessage, Mapping[str, object]]        # with its true values
 
 
-class SimulatedMessage(NamedTuple):
-    """A message, the true values of its fields, and the time at which they held."""
-
-    message: BahrsMessage
-    truth: Mapping[str, object] = {}
-    time: float | None = None       # None: time of the sample
+def with_own_time(message: TimedMessage) -> SimulatedMessage:
+    """Return a message whose fields are the truth."""
+    return message, {'device_time_us': message.device_time_us, 'sequence': message.sequence}
 
 
 class BahrsStream:
@@ -93,47 +93,58 @@ class BahrsStream:
         self._health.update(dict.fromkeys(signals, integrity))
         self._inertial_health = tuple(self._health[name] for name in Inertial.SIGNALS)
         self._navigation_health = tuple(self._health[name] for name in Navigation.SIGNALS)
+        self._blanks = Integrity.UNAVAILABLE in self._health.values()
 
-    def sample(self, truth: Truth, device_time_us: int) -> Iterator[SimulatedMessage]:
+    def sample(self, truth: Truth, device_time_us: int) -> list[SimulatedMessage]:
         """Return the messages about the next sample, in the order of transmission."""
         count, navigation_count = self._count, self._count // INERTIAL_PER_NAVIGATION
         self._count += 1
         with_navigation = count % INERTIAL_PER_NAVIGATION == 0
         with_time = with_navigation and navigation_count % NAVIGATION_PER_TIME == 0
-        yield self._inertial(count, truth)
+        messages = [self._inertial(count, truth, device_time_us)]
         if with_time:
-            yield self._time(InertialTime, count, device_time_us)
+            messages.append(self._time(InertialTime, count, device_time_us))
         if with_navigation:
-            yield self._navigation(navigation_count, truth)
+            messages.append(self._navigation(navigation_count, truth, device_time_us))
         if with_time:
             aligned = navigation_count >= UNALIGNED_MESSAGES
-            yield self._accuracy(navigation_count, device_time_us if aligned else 0)
-            yield self._time(NavigationTime, navigation_count, device_time_us) if aligned \
-                else SimulatedMessage(NavigationTime(0, 0, 0))
+            messages.append(self._accuracy(navigation_count, device_time_us if aligned else 0))
+            messages.append(self._time(NavigationTime, navigation_count, device_time_us)
+                            if aligned else with_own_time(NavigationTime(0, 0, 0)))
+        return messages
 
-    def _inertial(self, count: int, truth: Truth) -> SimulatedMessage:
+    def _inertial(self, count: int, truth: Truth, device_time_us: int) -> SimulatedMessage:
+        sequence, true_force, true_rate = count % COUNTER_MODULUS, *truth[:2]
         add = self._errors.add_vector
-        force = clamp_vector(add('specific_force', truth.specific_force), FORCE_LIMIT)
-        rate = clamp_vector(add('angular_rate', truth.angular_rate), RATE_LIMIT)
-        x, y, z, p, q, r = _blanked(force + rate, self._inertial_health, _NO_INERTIAL)
-        return SimulatedMessage(
-            Inertial(count % COUNTER_MODULUS, (x, y, z), (p, q, r), self._inertial_health),
-            {'specific_force': truth.specific_force, 'angular_rate': truth.angular_rate})
+        force = clamp_vector(add('specific_force', true_force), FORCE_LIMIT)
+        rate = clamp_vector(add('angular_rate', true_rate), RATE_LIMIT)
+        if self._blanks:
+            x, y, z, p, q, r = _blanked(force + rate, self._inertial_health, _NO_INERTIAL)
+            force, rate = (x, y, z), (p, q, r)
+        return Inertial(sequence, force, rate, self._inertial_health), {
+            'device_time_us': device_time_us, 'specific_force': true_force,
+            'angular_rate': true_rate, 'sequence': sequence}
 
-    def _navigation(self, count: int, truth: Truth) -> SimulatedMessage:
-        health = self._navigation_health if count >= UNALIGNED_MESSAGES else _UNAVAILABLE
-        height, velocity, roll, pitch, heading = _blanked(
-            self._navigation_values(truth), health, _NO_NAVIGATION)
-        return SimulatedMessage(
-            Navigation(count % COUNTER_MODULUS, height, velocity, roll, pitch, heading, health),
-            {'pressure_height': truth.pressure_height, 'velocity_down': truth.velocity_down,
-             'roll': truth.roll, 'pitch': truth.pitch, 'magnetic_heading': truth.heading})
+    def _navigation(self, count: int, truth: Truth, device_time_us: int) -> SimulatedMessage:
+        sequence = count % COUNTER_MODULUS
+        aligned = count >= UNALIGNED_MESSAGES
+        health = self._navigation_health if aligned else _UNAVAILABLE
+        values = self._navigation_values(truth)
+        if self._blanks or not aligned:
+            values = _blanked(values, health, _NO_NAVIGATION)
+        height, velocity, roll, pitch, heading = values
+        message = Navigation(sequence, height, velocity, roll, pitch, heading, health)
+        return message, {
+            'device_time_us': device_time_us, 'pressure_height': truth.pressure_height,
+            'velocity_down': truth.velocity_down, 'roll': truth.roll, 'pitch': truth.pitch,
+            'magnetic_heading': truth.heading, 'sequence': sequence}
 
     def _navigation_values(self, truth: Truth) -> Values:
-        add = self._errors.add
-        height, = add('pressure_height', (truth.pressure_height,))
-        velocity, = add('velocity_down', (truth.velocity_down,))
-        roll, pitch, heading = add('attitude', (truth.roll, truth.pitch, truth.heading))
+        errors = self._errors
+        height = errors.add('pressure_height', truth.pressure_height)
+        velocity = errors.add('velocity_down', truth.velocity_down)
+        roll, pitch, heading = errors.add_vector(
+            'attitude', (truth.roll, truth.pitch, truth.heading))
         return (max(_LOWEST, min(_HIGHEST, height)),
                 clamp(velocity, VELOCITY_LIMIT),
                 _half_turn(roll), _half_turn(pitch),
@@ -142,26 +153,24 @@ class BahrsStream:
     def _accuracy(self, navigation_count: int, device_time_us: int) -> SimulatedMessage:
         index = navigation_count // NAVIGATION_PER_TIME
         if not device_time_us:
-            return SimulatedMessage(Accuracy(index % COUNTER_MODULUS, None, None, None, 0))
+            return with_own_time(Accuracy(index % COUNTER_MODULUS, None, None, None, 0))
         deviation = _FIRST_DEVIATION / math.sqrt(max(1, index))
         attitude = max(_MIN_ATTITUDE_DEVIATION, deviation)
         heading = max(_MIN_HEADING_DEVIATION, deviation)
-        return SimulatedMessage(Accuracy(
+        return with_own_time(Accuracy(
             index % COUNTER_MODULUS, attitude, attitude, heading, device_time_us))
 
     def _time(self, kind: type[InertialTime] | type[NavigationTime], count: int,
               device_time_us: int) -> SimulatedMessage:
         per_time = NAVIGATION_PER_TIME * (
             INERTIAL_PER_NAVIGATION if kind is InertialTime else 1)
-        return SimulatedMessage(kind(
+        return with_own_time(kind(
             count // per_time % COUNTER_MODULUS, (count + self._reference_ahead) % COUNTER_MODULUS,
             device_time_us))
 
 
 def _blanked(values: Values, health: Health, blanks: Values) -> Values:
     """Return the values, with blanks in place of unavailable signals."""
-    if Integrity.UNAVAILABLE not in health:
-        return values
     return tuple(value if integrity else blank
                  for value, integrity, blank in zip(values, health, blanks))
 

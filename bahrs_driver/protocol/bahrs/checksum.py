@@ -23,9 +23,7 @@ def crc32(data: bytes) -> bytes:
 
 def mpeg2(data: bytes) -> bytes:
     """Return the CRC-32/MPEG-2 of data, byte by byte, as four little-endian bytes."""
-    reflected = zlib.crc32(data.translate(_BITS_REVERSED)) ^ 0xFFFFFFFF
-    # To reverse the bits of the word, reverse its bytes and the bits of each byte.
-    return reflected.to_bytes(4, 'big').translate(_BITS_REVERSED)
+    return _to_bytes(zlib.crc32(data.translate(_BITS_REVERSED)))
 
 
 def mpeg2_words(data: bytes) -> bytes:
@@ -35,10 +33,9 @@ def mpeg2_words(data: bytes) -> bytes:
     The CRC unit of the device's microcontroller computes it when it is fed words. Raise ValueError
     if the length of data is not a multiple of four.
     """
-    words = array('I')
-    words.frombytes(data)
+    words = array('I', data.translate(_BITS_REVERSED))
     words.byteswap()
-    return mpeg2(words.tobytes())
+    return _to_bytes(zlib.crc32(words))
 
 
 def passes_crc32(frame: bytes) -> bool:
@@ -58,3 +55,9 @@ def passes_mpeg2_words(frame: bytes) -> bool:
     words = array('I', frame.translate(_BITS_REVERSED))
     words.byteswap()        # so that the CRC is the highest byte first, as the residue needs it
     return zlib.crc32(words) == _RESIDUE
+
+
+def _to_bytes(crc: int) -> bytes:
+    """Return the four little-endian bytes of a CRC that zlib computed for reversed bits."""
+    # To reverse the bits of the word, reverse its bytes and the bits of each byte.
+    return (crc ^ 0xFFFFFFFF).to_bytes(4, 'big').translate(_BITS_REVERSED)

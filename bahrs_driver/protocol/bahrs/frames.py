@@ -30,6 +30,7 @@ CRC_SIZE = 4
 CrcOrder = Literal['word', 'byte']
 Checksum = Literal['word', 'byte', 'crc32']
 
+_PADDINGS = bytes(4), bytes(3), bytes(2), bytes(1)      # by the size before them, modulo 4
 _CHECKSUMS = {'word': checksum.mpeg2_words, 'byte': checksum.mpeg2, 'crc32': checksum.crc32}
 _Check = tuple[str, Callable[[bytes], bool]]     # name, and whether a whole frame passes
 _WORD = 'word', checksum.passes_mpeg2_words
@@ -37,23 +38,22 @@ _BYTE = 'byte', checksum.passes_mpeg2
 _CRC32 = 'crc32', checksum.passes_crc32
 
 
-def padding(payload_size: int) -> int:
-    """Return the count of padding bytes after a payload, 1 to 4."""
-    return 4 - (HEADER.size + payload_size) % 4
-
-
 def frame_size(payload_size: int, padded: bool) -> int:
     """Return the size of a whole frame."""
-    filler = padding(payload_size) if padded else 0
-    return HEADER.size + payload_size + filler + CRC_SIZE
+    size = HEADER.size + payload_size
+    return size + (len(_PADDINGS[size % 4]) if padded else 0) + CRC_SIZE
 
 
 def build_frame(version: int, message_type: int, payload: bytes, checksum: Checksum,
                 padded: bool = True) -> bytes:
     """Build a frame around any payload. The word checksum requires padding."""
-    body = HEADER.pack(MARKER, version, message_type) + payload
+    return _close_frame(HEADER.pack(MARKER, version, message_type) + payload, checksum, padded)
+
+
+def _close_frame(body: bytes, checksum: Checksum, padded: bool) -> bytes:
+    """Append padding and checksum to header and payload."""
     if padded:
-        body += bytes(padding(len(payload)))
+        body += _PADDINGS[len(body) % 4]
     return body + _CHECKSUMS[checksum](body)
 
 
@@ -153,7 +153,8 @@ class BahrsCodec(Decoder):
     def __init__(self, height_format: HeightFormat = 'uint16') -> None:
         """Decode and encode the pressure height in a format."""
         self._layouts = layouts(height_format)
-        self.layouts_by_header = {HEADER.pack(MARKER, *key): layout
+        self._headers = {key: HEADER.pack(MARKER, *key) for key in self._layouts}
+        self.layouts_by_header = {self._headers[key]: layout
                                   for key, layout in self._layouts.items()}
 
     def decode(self, frame: Frame, _now: int = 0) -> BahrsMessage:
@@ -174,9 +175,9 @@ class BahrsCodec(Decoder):
         service messages are unpadded, with a CRC-32, as its maker's tool sends them. Raise
         ValueError if the version has no such message or a value does not fit its field.
         """
-        layout = self._layouts.get((version, message.TYPE))
-        if layout is None:
+        header = self._headers.get((version, message.TYPE))
+        if header is None:
             raise ValueError(f'{message.NAME} does not exist in protocol version {version}')
-        return build_frame(version, message.TYPE, layout.encode(message),
-                           checksum or ('crc32' if message.SERVICE else 'word'),
-                           not message.SERVICE if padded is None else padded)
+        return _close_frame(header + self.layouts_by_header[header].encode(message),
+                            checksum or ('crc32' if message.SERVICE else 'word'),
+                            not message.SERVICE if padded is None else padded)

@@ -34,8 +34,8 @@ TENTH = '15234' + '112' * 9 + '1'
 def messages_of(samples, version=3, time_label='next', errors=None, truth=None, stream=None):
     """Return the messages of some samples, 5 ms apart from device time 1,000,000 us."""
     stream = stream or BahrsStream(version, time_label, errors or MeasurementErrors(1))
-    return [item.message for index in range(samples)
-            for item in stream.sample(truth or Still().at(0.0), 1_000_000 + 5000 * index)]
+    return [message for index in range(samples)
+            for message, _ in stream.sample(truth or Still().at(0.0), 1_000_000 + 5000 * index)]
 
 
 def of(kind, messages):

@@ -10,7 +10,6 @@ from bahrs_driver.protocol.bahrs.frames import (
     build_frame,
     frame_size,
     frame_version,
-    padding,
 )
 from bahrs_driver.protocol.bahrs.messages import (
     Accuracy,
@@ -112,7 +111,7 @@ def received(chunks, frame_format=None):
     (0, 3), (1, 2), (2, 1), (3, 4), (7, 4), (9, 2), (10, 1), (12, 3), (13, 2), (14, 1), (15, 4)])
 def test_padding_is_never_none(payload, filler):
     """PAD_LEN = 4 - (5 + LEN) % 4."""
-    assert padding(payload) == filler
+    assert frame_size(payload, padded=True) - frame_size(payload, padded=False) == filler
 
 
 @pytest.mark.parametrize('payload, padded, size', [
