@@ -8,6 +8,7 @@ from itertools import product
 import shlex
 import time
 
+from bahrs_driver.convert.transforms import TF, TF_STATIC
 from bahrs_driver.devices.driver_graph import find_drivers, node_names, published
 from bahrs_driver.devices.registry import all_topics
 from bahrs_driver.doctor import driver_health
@@ -22,7 +23,8 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 DISCOVERY_TIME = 2.0        # s
 POLL_PERIOD = 0.1           # s
 DISCOVERY_TIMEOUT = 4.0     # s more for the first driver, on a busy machine
-COMMON_TOPICS = ('/rosout', '/parameter_events', DIAGNOSTICS)      # other nodes publish them, too
+# Other nodes publish them, too.
+COMMON_TOPICS = ('/rosout', '/parameter_events', TF, TF_STATIC, DIAGNOSTICS)
 Drivers = dict[str, list[str]]      # names of the nodes, with their topics
 
 _POLICIES = ('reliability', 'durability')

@@ -5,8 +5,11 @@
 import contextlib
 
 from bahrs_driver.devices.driver_graph import find_drivers
+from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.doctor.check_result import Level
 from bahrs_driver.doctor.graph import check
+from bahrs_driver.ros_layout.message_objects import message_type
+from diagnostic_msgs.srv import SelfTest
 import pytest
 import rclpy
 from rclpy.context import Context
@@ -91,6 +94,20 @@ def test_two_publishers_of_one_topic(node):
     node.create_publisher(Imu, 'imu/data', 100)
     result = results(node, 2, 0)['publishers']
     assert result.level is Level.PROBLEM and 'both publish' in result.message
+
+
+def test_transforms_of_several_nodes(node):
+    """Every node with a transform publishes it on the same topic."""
+    for topic, kind in DEVICES['bahrs'].topics().items():
+        node.create_publisher(message_type(kind), topic, 10)
+    node.create_service(SelfTest, 'self_test', lambda request, response: response)
+    with create_node('other') as other:
+        for either in node, other:
+            either.create_publisher(Imu, '/tf', 10)
+        assert wait_for(lambda: len(node.get_publishers_info_by_topic('/tf')) == 2, 60)
+        found = {result.check: result for result in check(node, '/dev/ttyUSB7', 0.0)}
+    assert found['driver'].message.startswith('/made_up/patient publishes ')
+    assert 'publishers' not in found and found['subscribers'].level is Level.OK
 
 
 def test_a_driver_in_another_namespace(node):
