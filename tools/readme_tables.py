@@ -85,8 +85,7 @@ def parameters_table() -> str:
 def launch_table() -> str:
     """Return the arguments of the launch files as a Markdown table."""
     rows = ['| argument | valid | what it is |', '|---|---|---|']
-    rows += [f'| `{row.name}` | {_choices(row.choices) or "any text"} | {row.description} |'
-             for row in ARGUMENTS]
+    rows += [f'| `{row.name}` | {row.valid} | {row.description} |' for row in ARGUMENTS]
     return '\n'.join(rows)
 
 
@@ -112,13 +111,9 @@ def _default(parameter: Parameter) -> str:
     return f'`{parameter.default}`{unit}' + (f', `{other.default}`' if other else '')
 
 
-def _choices(names: Iterable[str]) -> str:
-    return ', '.join(f'`{name}`' for name in names)
-
-
 def _valid(parameter: Parameter) -> str:
     if parameter.choices:
-        return _choices(parameter.choices)
+        return ', '.join(f'`{choice}`' for choice in parameter.choices)
     if parameter.low is not None:
         return f'{"0, " if parameter.or_zero else ""}{parameter.low} to {parameter.high}'
     return 'true or false' if isinstance(parameter.default, bool) else 'any text'

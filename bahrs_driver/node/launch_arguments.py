@@ -41,6 +41,13 @@ class LaunchArgument:
     convert: Callable[[str], Value] = str
     default: str = ''
 
+    @property
+    def valid(self) -> str:
+        """Describe the valid values, for the documentation."""
+        if self.choices:
+            return ', '.join(f'`{choice}`' for choice in self.choices)
+        return 'a number' if self.convert is _number else 'any text'
+
 
 ARGUMENTS = (
     LaunchArgument('port', 'serial port: a path or URL (default: as params_file says, or '
