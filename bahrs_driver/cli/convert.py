@@ -71,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
     _refuse_pipe(options.input)
     capture = open_capture(options.input, options.topic)
     name = sensor_of(capture, options.sensor)
-    if DEVICES[name].roles is None and not capture.timed:
+    if not capture.timed and not DEVICES[name].recording_format(DEVICES[name].settings()):
         raise CommandError(f'{options.input} cannot be converted: answers of a {name} have no '
                            'times; record the topic raw, or show them with bahrs decode')
     settings, notes = read_settings(options.parameters, name)

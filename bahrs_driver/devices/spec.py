@@ -55,7 +55,7 @@ class DeviceSpec(ABC, Generic[Settings]):
         raise NotImplementedError(f'a {self.label} has no memory')
 
     def recording_format(self, _settings: Settings) -> RecordingFormat | None:
-        """Return how `bahrs report` reads recorded frames; None if it cannot."""
+        """Return how to read recorded frames in blocks; None if they have no device time."""
         return None
 
     @abstractmethod

@@ -94,9 +94,7 @@ class Batch:
 
 def table(layout: Layout[Any], payloads: bytes, offsets: Array) -> Array:
     """Decode the concatenated payloads of one layout into a structured array."""
-    wire = _wire_type(layout)
-    raw = np.frombuffer(payloads, wire, len(offsets)) if layout.size \
-        else np.empty(len(offsets), wire)
+    raw = _raw(layout, payloads, len(offsets))
     columns = [(name, _column(row, raw[name])) for name, row in layout.rows]
     result = np.empty(len(offsets), [('offset', np.int64)] + [
         (name, column.dtype, column.shape[1:]) for name, column in columns])
@@ -104,6 +102,17 @@ def table(layout: Layout[Any], payloads: bytes, offsets: Array) -> Array:
     for name, column in columns:
         result[name] = column
     return result
+
+
+def column(layout: Layout[Any], payloads: bytes, count: int, name: str) -> Array:
+    """Decode one field of a count of concatenated payloads."""
+    return _column(dict(layout.rows)[name], _raw(layout, payloads, count)[name])
+
+
+def _raw(layout: Layout[Any], payloads: bytes, count: int) -> Array:
+    """Return the numbers on the wire."""
+    wire = _wire_type(layout)
+    return np.frombuffer(payloads, wire, count) if layout.size else np.empty(count, wire)
 
 
 def _wire_type(layout: Layout[Any]) -> np.dtype[Any]:

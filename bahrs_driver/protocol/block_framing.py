@@ -148,9 +148,12 @@ def _tables(checksum: Checksum, size: int) -> tuple[int, list[Array]]:
     """Return the checksum of zeros, and what each value of each two bytes changes in it."""
     zeros = bytes(size)
     constant = int.from_bytes(checksum(zeros), 'little')
-    changes = np.array([[
-        int.from_bytes(checksum(zeros[:place] + bytes([value]) + zeros[place + 1:]), 'little')
-        ^ constant for value in range(256)] for place in range(size)], np.uint32)
+    by_bit = np.array([[
+        int.from_bytes(checksum(zeros[:place] + bytes([1 << bit]) + zeros[place + 1:]), 'little')
+        ^ constant for bit in range(8)] for place in range(size)], np.uint32)
+    changes = np.zeros((size, 256), np.uint32)
+    for bit, change in enumerate(by_bit.T):
+        changes ^= np.where(np.arange(256) >> bit & 1, change[:, None], 0).astype(np.uint32)
     low, high = changes[::2], changes[1::2]
     return constant, [(second[:, None] ^ first[None, :]).reshape(-1)
                       for first, second in zip(low, high)]

@@ -22,7 +22,7 @@ from bahrs_driver.convert.values import DiagnosticArray, UInt8MultiArray
 from bahrs_driver.devices.parts import Parts
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.devices.spec import AnyDevice
-from bahrs_driver.pipeline import Event, Unstamped
+from bahrs_driver.pipeline import Event
 from bahrs_driver.reprocess import replay_diagnostics
 from bahrs_driver.reprocess.decoding_faults import DecodingFaults
 from bahrs_driver.reprocess.device_time_capture import DeviceTimeCapture
@@ -97,11 +97,10 @@ class Conversion:
     def _first_pass(self, progress: Progress) -> tuple[Capture, Clock | None]:
         """Return the capture with times, and a clock for it if that of the parts is not enough."""
         parts = self._make_parts()
-        if not self._capture.timed and self._spec.roles:
-            timed = DeviceTimeCapture(
-                self._capture, self._spec.roles,
-                lambda: self._make_parts().pipeline(Unstamped()),
-                parts.time_label, self._start_ns, progress)
+        recording_format = self._spec.recording_format(self._settings)
+        if not self._capture.timed and recording_format:
+            timed = DeviceTimeCapture(self._capture, recording_format, parts.time_label,
+                                      self._start_ns, progress)
             return timed, timed.clock(round(self._settings.time.fixed_latency * NS_PER_S))
         smoothing = parts.clock.smoothing()
         if smoothing is None:

@@ -8,18 +8,14 @@ device time continues. Each chunk counts as read shortly after its last sample.
 """
 
 from array import array
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import chain
-from typing import Any
 
 from bahrs_driver.bag.capture import Capture, Chunk
-from bahrs_driver.bag.feed_capture import feed_capture
-from bahrs_driver.bag.log_clock import LogClock
 from bahrs_driver.clock.counter import CountedSequence
 from bahrs_driver.clock.time_reference import Label
-from bahrs_driver.pipeline import Pipeline, Stamped
-from bahrs_driver.protocol.framing import Frame
-from bahrs_driver.protocol.message_roles import MessageRoles
+from bahrs_driver.devices.recording_format import RecordingFormat
+from bahrs_driver.reprocess.counted_messages import CountedMessage, CountedMessages
 from bahrs_driver.reprocess.device_time_clock import DeviceTimeClock
 from bahrs_driver.reprocess.stream_counter import StreamCounter
 from bahrs_driver.units import NS_PER_MS
@@ -36,16 +32,16 @@ class DeviceTimeCapture(Capture):
     timed = True
     byte_ns = 0
 
-    def __init__(self, capture: Capture, roles: MessageRoles,
-                 make_pipeline: Callable[[], Pipeline], label: Label, start_ns: int | None,
-                 progress: Callable[[str], None]) -> None:
+    def __init__(self, capture: Capture, recording_format: RecordingFormat, label: Label,
+                 start_ns: int | None, progress: Callable[[str], None]) -> None:
         """
         Examine all messages of a capture.
 
         label is the convention of time messages, start_ns the ROS time of the first one.
         """
         super().__init__(capture.path, capture.size)
-        self._source, self._roles = capture, roles
+        self._source, self._roles = capture, recording_format.roles
+        roles = self._roles
         for kind in (roles.sample, roles.navigation):
             self._stream = StreamCounter(roles, kind, label)
             # Of each chunk: the offset of its end, and the count of its last sample.
@@ -53,11 +49,11 @@ class DeviceTimeCapture(Capture):
             # Of each sample whose count does not follow: its number, its count and its counter.
             self._jumps = array('q'), array('q'), array('B')
             self._received = 0          # samples
-            for fed in feed_capture(capture, make_pipeline(), LogClock()):
+            messages = CountedMessages(recording_format)
+            for chunk in capture.chunks():
                 progress('looking for times')
-                for event in fed.events:
-                    if isinstance(event, Stamped):
-                        self._examine(event.frame, event.message)
+                self._examine(messages.feed(chunk.data))
+            self._examine(messages.flush())
             if self._stream.origin:
                 break
         self._stream.assign_ros_times(start_ns)
@@ -89,18 +85,21 @@ class DeviceTimeCapture(Capture):
     def _chunk(self, data: bytearray, count: int) -> Chunk:
         return Chunk(bytes(data), self._stream.times.ros_time(count) + READ_DELAY)
 
-    def _examine(self, frame: Frame, message: Any) -> None:
+    def _examine(self, messages: Iterable[CountedMessage]) -> None:
         stream = self._stream
-        before = stream.count
-        stream.observe(message)
-        if type(message) is not stream.kind:
-            return
+        for offset, kind, message in messages:
+            before = stream.count
+            stream.observe(kind, message)
+            if kind is stream.kind:
+                self._add_sample(offset, before, message.sequence)
+
+    def _add_sample(self, offset: int, before: int, sequence: int) -> None:
+        stream = self._stream
         ahead = stream.count - before
         if ahead != stream.step:
-            for column, value in zip(self._jumps,
-                                     (self._received, stream.count, message.sequence)):
+            for column, value in zip(self._jumps, (self._received, stream.count, sequence)):
                 column.append(value)
         self._received += 1
         if ahead > LONG_GAP or before % SAMPLES < stream.step:
-            self._chunk_ends.append(frame.offset)
+            self._chunk_ends.append(offset)
             self._chunk_counts.append(before)

@@ -79,7 +79,7 @@ def _observe(frame: Frame, message: Message, streams: Iterable[StreamCounter]) -
     """Let the streams examine a message; return it with the one that counts it."""
     for stream in streams:
         before = stream.count
-        stream.observe(message)
+        stream.observe(type(message), message)
         if type(message) is stream.kind:
             return _Held(frame, message, stream, stream.count if stream.count > before else None)
         if not getattr(message, 'valid', True):

@@ -48,23 +48,25 @@ class StreamCounter:
         self._time_messages = (roles.sample_time, roles.navigation_time)
         self._latest: CountedSequence | None = None
         self._received = 0                              # samples
-        self._pending: deque[Any] = deque(maxlen=MOST_PENDING)  # messages before the next sample
+        # Messages before the next sample, with their types:
+        self._pending: deque[tuple[type[Any], Any]] = deque(maxlen=MOST_PENDING)
         self._early_navigation: list[int] = []          # counters of those before the first one
         self._power_on = False                          # since the latest sample
         self._votes = votes
         self._convention_decided = False
         self._unconfirmed: list[int] = []               # votes since the latest sample
         # Arguments of _add_anchor:
-        self._undecided: deque[tuple[Any, CountedSequence, int]] = deque(maxlen=MOST_PENDING)
+        self._undecided: deque[tuple[type[Any], Any, CountedSequence, int]] = deque(
+            maxlen=MOST_PENDING)
 
     @property
     def count(self) -> int:
         """Count of the latest sample; the first one has 0."""
         return self.step * (self._latest.count if self._latest else -1)
 
-    def observe(self, message: Any) -> None:
-        """Examine the next message of the stream."""
-        kind, roles = type(message), self._roles
+    def observe(self, kind: type[Any], message: Any) -> None:
+        """Examine the next message of the stream; it may have only the fields that count it."""
+        roles = self._roles
         if kind is self.kind:
             self._observe_sample(message.sequence)
         elif kind is roles.power_on:
@@ -73,11 +75,11 @@ class StreamCounter:
         elif kind is not roles.navigation and kind not in self._time_messages:
             return
         elif self._latest is None or self._power_on:
-            self._pending.append(message)
+            self._pending.append((kind, message))
         elif kind is roles.navigation:
             self.navigation.pair(message.sequence, self._latest.sequence)
         elif message.valid:
-            self._observe_time(message, self._latest)
+            self._observe_time(kind, message, self._latest)
 
     def discard_times(self) -> None:
         """Discard all time messages: the samples so far get no certain time any more."""
@@ -115,7 +117,7 @@ class StreamCounter:
     def _end_without_sample(self) -> None:
         """Examine the messages of a device that was switched off before a sample arrived."""
         roles = self._roles
-        numbers = [item.sequence for item in self._pending if type(item) is roles.navigation]
+        numbers = [item.sequence for kind, item in self._pending if kind is roles.navigation]
         if self._latest is None and self.kind is roles.sample and numbers:
             self._power_on = False
             self.origin = CountedSequence(
@@ -128,9 +130,9 @@ class StreamCounter:
         messages = list(self._pending)
         self._pending.clear()
         self._latest = unreceived
-        for message in messages:
-            self.observe(message)
-            if type(message) is self._roles.navigation and unreceived.count < 0:
+        for kind, message in messages:
+            self.observe(kind, message)
+            if kind is self._roles.navigation and unreceived.count < 0:
                 self._early_navigation.append(message.sequence)
         self._unconfirmed.clear()
 
@@ -143,9 +145,9 @@ class StreamCounter:
                 self._use_undecided()
         self._unconfirmed.clear()
 
-    def _observe_time(self, message: Any, latest: CountedSequence) -> None:
+    def _observe_time(self, kind: type[Any], message: Any, latest: CountedSequence) -> None:
         """Examine a time message that follows a sample."""
-        reference = self._reference(message, latest)
+        reference = self._reference(kind, message, latest)
         if reference is None:
             return
         if not self._convention_decided:
@@ -153,7 +155,7 @@ class StreamCounter:
             ahead, rest = divmod(count - latest.count, step)
             if not rest:
                 self._unconfirmed.append(ahead)
-        self._undecided.append((message, latest, self._received))
+        self._undecided.append((kind, message, latest, self._received))
         if len(self._undecided) == self._votes:
             self._convention_decided = True
         if self._convention_decided or not self._votes and self.convention.seen:
@@ -165,17 +167,20 @@ class StreamCounter:
             self._add_anchor(*arguments)
         self._undecided.clear()
 
-    def _add_anchor(self, message: Any, latest: CountedSequence, received: int) -> None:
-        time, reference = message.device_time_us * NS_PER_US, self._reference(message, latest)
+    def _add_anchor(self, kind: type[Any], message: Any, latest: CountedSequence,
+                    received: int) -> None:
+        time = message.device_time_us * NS_PER_US
+        reference = self._reference(kind, message, latest)
         if reference and 0 < time < LONGEST_TIME:
             count, step = reference
             sample = self.step * (count - step * self.convention.ahead)
             self.times.add_anchor(Anchor(sample, time, self.step * received))
 
-    def _reference(self, message: Any, latest: CountedSequence) -> tuple[int, int] | None:
+    def _reference(self, kind: type[Any], message: Any,
+                   latest: CountedSequence) -> tuple[int, int] | None:
         """Return the sample that a time message names, and the step to the next such one."""
         roles, sequence = self._roles, message.reference_sequence
-        of_navigation = type(message) is roles.navigation_time
+        of_navigation = kind is roles.navigation_time
         if of_navigation and self.kind is roles.sample:
             count = self.navigation.count(sequence, latest)
             return None if count is None else (count, roles.samples_per_navigation)

@@ -139,10 +139,11 @@ class ByTopic:
     def begin(self, topics, latched):
         """Prepare the topics."""
 
-    def write(self, topic, time_ns, message):
-        """Store a message."""
-        if topic not in ('raw', '/diagnostics'):        # they are about reads
-            self.messages[topic].append(plain(to_message(message)))
+    def write(self, messages):
+        """Store messages."""
+        for _, (topic, values) in messages:
+            if topic not in ('raw', '/diagnostics'):    # they are about reads
+                self.messages[topic].append(plain(to_message(values)))
 
 
 def converted(path, sizes):

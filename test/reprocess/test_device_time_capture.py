@@ -4,6 +4,8 @@
 
 from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.clock import Instant
+from bahrs_driver.devices.bahrs.recording_format import make_recording_format
+from bahrs_driver.devices.bahrs.settings import BahrsSettings
 from bahrs_driver.pipeline import Pipeline
 from bahrs_driver.protocol.bahrs.frames import BahrsCodec, BahrsFormat
 from bahrs_driver.protocol.bahrs.messages import (
@@ -47,8 +49,9 @@ def stamped(data, start=None, size=1000, label='auto', latency=0):
     def make_pipeline(clock=None):
         return Pipeline(Framer(BahrsFormat()), BahrsCodec(), clock)
 
+    recording_format = make_recording_format(BahrsSettings(), 'BAHRS')
     timed = DeviceTimeCapture(
-        Bytes(data, size=size), ROLES, make_pipeline, label, start, lambda what: None)
+        Bytes(data, size=size), recording_format, label, start, lambda what: None)
     pipeline, found, chunks = make_pipeline(timed.clock(latency)), [], []
     for chunk in timed.chunks():
         chunks.append(chunk)
