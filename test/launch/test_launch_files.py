@@ -317,10 +317,3 @@ def test_a_file_overrides_a_default_of_the_launch_file(tmp_path_factory, text, k
     _, settings = node_settings(['driver_node', *driver.words])
     assert settings.publish.static_tf == ((text or (in_file if keys else 'true')) == 'true')
     assert settings.startup.wait_for_subscribers == (3.0 if keys else 10.0)
-
-
-def test_the_readme_lists_every_argument():
-    """With the same choices."""
-    text = (ROOT / 'README.md').read_text()
-    for row in ARGUMENTS:
-        assert f'`{row.name}`' in text, row.name
