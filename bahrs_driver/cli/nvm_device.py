@@ -11,7 +11,9 @@ from bahrs_driver.errors import CommandError
 from bahrs_driver.pipeline import DecodingFault, Event, Stamped
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.transport.link import Link
-from bahrs_driver.transport.port_events import Decoded, PortEvent, PortOpened, PortUnavailable
+from bahrs_driver.transport.port_events import (
+    BytesRead, PortEvent, PortOpened, PortUnavailable, StreamEnded,
+)
 from bahrs_driver.transport.port_reader import PortReader
 
 OPEN_TIMEOUT = 30.0     # s
@@ -65,8 +67,8 @@ class NvmDevice:
             self._failure = event.reason
             self._opened_or_failed.set()
             self.nvm.abandon(event.reason)
-        elif isinstance(event, Decoded):
-            for item in event.events:
+        elif isinstance(event, (BytesRead, StreamEnded)):
+            for item in event.events or ():
                 self._receive(item)
 
     def _receive(self, item: Event) -> None:

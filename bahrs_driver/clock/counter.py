@@ -66,7 +66,7 @@ class SampleCounter:
 
     def silence_before(self, bound: int) -> bool:
         """Whether the counter may have wrapped in the silence before a frame with this bound."""
-        return self.started and bound - self._bound > LONGEST_SILENCE
+        return bound - self._bound > LONGEST_SILENCE and self.started
 
     def may_have_wrapped(self, sequence: int, highest: int | None) -> bool:
         """Whether the counter may have wrapped, as far as the highest possible count allows."""

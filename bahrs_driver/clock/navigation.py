@@ -37,7 +37,7 @@ class NavigationCounter:
         difference = (sample - self._samples * navigation) % COUNTER_MODULUS
         self._recent.append(difference)
         if self._certain and difference == self._difference:
-            return
+            return                      # no other difference can be unanimous
         frequent = max(self._recent, key=self._recent.count)
         unanimous = self._recent.count(frequent) == WITNESSES
         if unanimous or not self._certain:

@@ -83,7 +83,8 @@ class SampleClock(Clock):
         bound = self._reads.bounds.bound
         for message, frame in messages:
             self._examine(message, frame, bound(frame.offset))
-        self._update_pulses()
+        if self._pulses.seen:
+            self._update_pulses()
         self._queue.release()
         return self._queue.take_stamped()
 
@@ -132,7 +133,8 @@ class SampleClock(Clock):
     def _examine(self, message: Message, frame: Frame, bound: int) -> None:
         """Learn from a message about device time, and hold it behind the others."""
         kind, device = type(message), self._device
-        if kind not in self._handlers or not getattr(message, 'valid', True):
+        handling = self._handlers.get(kind)
+        if handling is None or not getattr(message, 'valid', True):
             self._handle_interruption(kind)
             self._queue.hold(HeldMessage(message, frame, bound))
             return
@@ -140,7 +142,7 @@ class SampleClock(Clock):
             self._queue.stop_holding()
             self._stamper.lose_count()
             device.await_sample()
-        held_type, handle = self._handlers[kind]
+        held_type, handle = handling
         item = held_type(message, frame, bound)
         if device.awaits_sample and kind is not self._roles.sample:
             self._queue.hold_early(item)
@@ -237,7 +239,7 @@ class SampleClock(Clock):
 
     def _update_pulses(self) -> None:
         device, estimate = self._device, self._estimate
-        if self._pulses.seen and device.known and estimate.started and (
+        if device.known and estimate.started and (
                 notice := self._pulses.update(
                     device.time_of(device.counter.count), estimate, self._reads.host)):
             self._slewer.allow_fast_slew()

@@ -79,6 +79,8 @@ class StampQueue:
 
     def release(self) -> None:
         """Stamp the held messages, unless they can wait for a better time."""
+        if not self._held:
+            return
         waiting = self._may_hold and not self._ready and any(item.timed for item in self._held)
         if waiting and not self._full:
             return

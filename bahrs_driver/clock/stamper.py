@@ -10,7 +10,7 @@ a sample is its arrival, smoothed by its count and the nominal period.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from bahrs_driver.clock.counter import CountedSequence
 from bahrs_driver.clock.device_time import DeviceTime
@@ -27,11 +27,10 @@ MAX_AGE = 10 * NS_PER_S         # of the time in a message
 SAME_SAMPLE = NS_PER_MS         # device times that differ by less belong to one sample
 
 
-@dataclass(frozen=True, slots=True)
-class _Latest:
+class _Latest(NamedTuple):
     """The latest sample with a stamp."""
 
-    count: int | None
+    sample: int | None      # count
     device: int | None      # device time, if it was known
     stamp: int
 
@@ -83,11 +82,12 @@ class Stamper:
 
     def host_time(self, device: int) -> tuple[int, float]:
         """Return the raw time of a device time, and the skew."""
-        tracker = self._pulses.active_tracker
-        if tracker:
+        estimate, pulses = self._estimate, self._pulses
+        if not pulses.enabled:
+            return estimate.host_time(device), estimate.skew
+        if tracker := pulses.active_tracker:
             return tracker.host_time(device), tracker.skew
-        delay = self._pulses.delay.value if self._pulses.enabled else None
-        return self._estimate.host_time(device) - (delay or 0), self._estimate.skew
+        return estimate.host_time(device) - (pulses.delay.value or 0), estimate.skew
 
     def _stamp_sample_time(self, item: HeldMessage, known: bool, now: Instant) -> int | None:
         """Return the stamp of a sample, or of a message that belongs to one."""
@@ -110,7 +110,7 @@ class Stamper:
     def _reuse_or_stamp(self, item: HeldMessage, count: int, known: bool,
                         now: Instant) -> int | None:
         """Return the stamp of the latest sample if it has this count, else a new one."""
-        if self._latest and self._latest.count == count:
+        if self._latest and self._latest.sample == count:
             return self._latest.stamp
         return self._stamp_count(item, count, known, now)
 

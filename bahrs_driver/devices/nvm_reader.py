@@ -69,14 +69,17 @@ class NvmReader:
             raise NvmError(session.error)
         return session.pages
 
+    @property
+    def reading(self) -> bool:
+        """Whether there is a session, which needs all messages."""
+        return self._session is not None
+
     def receive(self, message: Message, frame: Frame) -> None:
         """Pass a message of the device to the session, if there is one."""
-        if self._session is None:
-            return
         with self.loop.lock:
             if self._session is not None:
                 self._session.receive(message, frame.checksum, now_ns())
-                self.loop.lock.notify_all()
+                self.loop.changed.notify_all()
 
     def cancel(self, reason: str = 'cancelled') -> bool:
         """Make the session leave diagnostics mode and end; return False if there is none."""
@@ -84,7 +87,7 @@ class NvmReader:
             if self._session is None:
                 return False
             self._session.cancel(reason, now_ns())
-            self.loop.lock.notify_all()
+            self.loop.changed.notify_all()
             return True
 
     def end(self, reason: str, timeout: float = LEAVE_TIME) -> None:
@@ -96,7 +99,7 @@ class NvmReader:
         self._ended = reason
         self.cancel(reason)
         with self.loop.lock:
-            if not self.loop.lock.wait_for(lambda: self._session is None, timeout):
+            if not self.loop.changed.wait_for(lambda: self._session is None, timeout):
                 self.abandon(reason)
 
     def abandon(self, reason: str) -> None:
@@ -104,7 +107,7 @@ class NvmReader:
         with self.loop.lock:
             if self._session is not None:
                 self._session.abandon(reason)
-                self.loop.lock.notify_all()
+                self.loop.changed.notify_all()
 
     def _begin(self, pages: Sequence[int], settings: NvmSettings) -> NvmSession:
         with self.loop.lock:
@@ -121,21 +124,21 @@ class NvmReader:
     def _set_session(self, session: NvmSession | None) -> None:
         with self.loop.lock:
             self._session = self.loop.scheduler = session
-            self.loop.lock.notify_all()
+            self.loop.changed.notify_all()
 
     def _interrupt(self, session: NvmSession) -> None:
         """Cancel a session, and wait until the device has left diagnostics mode."""
         with self.loop.lock:
             session.cancel('interrupted', now_ns())
-            self.loop.lock.notify_all()
-            self.loop.lock.wait_for(lambda: session.finished)
+            self.loop.changed.notify_all()
+            self.loop.changed.wait_for(lambda: session.finished)
 
     def _follow(self, session: NvmSession, on_page: OnPage, on_progress: OnProgress) -> None:
         """Call back for each change of a session until it has ended."""
         state, delivered = None, 0
         while state is not SessionState.FINISHED:
             with self.loop.lock:
-                self.loop.lock.wait_for(
+                self.loop.changed.wait_for(
                     lambda: (session.state, len(session.pages)) != (state, delivered))
                 state, pages = session.state, list(session.pages.items())
             for number, page in pages[delivered:]:

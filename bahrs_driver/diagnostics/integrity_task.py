@@ -33,11 +33,13 @@ class IntegrityTask:
         known = {name: state for name, state in self._signals.items() if state is not None}
         if not known or self._stale(status.now):
             return status.summary(NO_DATA)
+        if set(known.values()) == {Integrity.SAFE}:
+            return status.summary(SAFE)
         unsafe = ', '.join(f'{name} {state.words}' for name, state in known.items()
                            if state is not Integrity.SAFE)
         if not all(state.available for state in known.values()):
             return status.summary(UNAVAILABLE, signals=unsafe)
-        return status.summary(AT_RISK, signals_at_risk=unsafe) if unsafe else status.summary(SAFE)
+        return status.summary(AT_RISK, signals_at_risk=unsafe)
 
     def _values(self, _now: float) -> Mapping[str, str]:
         return {name: 'not received' if state is None else state.words

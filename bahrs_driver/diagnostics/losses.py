@@ -34,10 +34,11 @@ class SequenceLosses:
 
     def observe(self, message: Any, stream_time: float, rate: float) -> None:
         """Count a message at a time of the stream in s, without pauses; its rate is in Hz."""
-        name, sequence = message.NAME, message.sequence
-        last = self._last.get(name)
-        self.lost[name] += missing(*last, sequence, stream_time, rate) if last else 0
+        name, sequence, last = message.NAME, message.sequence, self._last.get(message.NAME)
         self._last[name] = sequence, stream_time
+        if last and (sequence != (last[0] + 1) % COUNTER_MODULUS
+                     or (stream_time - last[1]) * rate > COUNTER_MODULUS / 2):
+            self.lost[name] += missing(*last, sequence, stream_time, rate)
 
     def restart(self) -> None:
         """Ignore the gap before the next message."""

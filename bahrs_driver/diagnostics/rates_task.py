@@ -61,11 +61,11 @@ class RatesTask:
             if message.SERVICE:
                 self._last_service = now
             return
-        last = self._last_message
-        if now != last:                 # most messages arrive together
-            if last is not None:
+        last, self._last_message = self._last_message, now
+        if last is not None:
+            self._stream_time += min(now - last, LONGEST_GAP)
+            if self._last_service is not None or now - last > self._stale_timeout:
                 self._handle_pause(now, last)
-            self._last_message = now
         if not self._measuring:
             self._restart_rates()
             self._measuring = True
@@ -115,10 +115,9 @@ class RatesTask:
         return [self._received[name] for name in self._expected]
 
     def _handle_pause(self, now: float, last_message: float) -> None:
-        self._stream_time += min(now - last_message, LONGEST_GAP)
         if self._last_service is not None and self._last_service > last_message:
             self.restart()              # the device paused for diagnostics mode
-        elif self.stale(now):
+        elif now - last_message > self._stale_timeout:
             self._measuring = False     # the pause was reported, and is not a wrong rate
 
     def _restart_rates(self) -> None:

@@ -14,6 +14,7 @@ class StreamHealth:
 
     def __init__(self, rates: RatesTask, *tasks: DiagnosticTask) -> None:
         self._rates = rates
+        self.stale = rates.stale        # whether the stream has stopped, at a monotonic time
         self.tasks: Sequence[DiagnosticTask] = (rates, *tasks)
 
     def observe(self, message: Message, now: float) -> None:
@@ -23,10 +24,6 @@ class StreamHealth:
     def restart(self) -> None:
         """Begin a new stream."""
         self._rates.restart()
-
-    def stale(self, now: float) -> bool:
-        """Return whether the stream has stopped, at a time of time.monotonic()."""
-        return self._rates.stale(now)
 
     @property
     def lost(self) -> int:

@@ -7,7 +7,7 @@ A change of level or message is published at once, but at most 20 times a second
 numbers alone, as in "Lost just now: 3 inertial", can wait for the next periodic report.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 import re
 import threading
 import time
@@ -40,7 +40,9 @@ class Updater:
         self._clock = clock
         self._faults = faults
         self._lock = threading.Lock()
-        self._reported: list[Summary] = []
+        self._reported: list[Summary] = []      # without numbers
+        self._change_due = True
+        self.latest: Mapping[str, Summary] = {}     # by task, when the tasks ran last
         self._reported_at = self._evaluated_at = -MIN_INTERVAL
 
     def report_allowed(self) -> bool:
@@ -61,27 +63,30 @@ class Updater:
             if now - self._evaluated_at < MIN_INTERVAL:
                 return False            # another thread has just done it
             self._evaluated_at = now
-            return [_without_numbers(self._run(task, now))
-                    for task in self._tasks] != self._reported
+            before, self.latest = self.latest, _summaries(self._run_all(now))
+            if self.latest != before:
+                self._change_due = _without_numbers(self.latest) != self._reported
+            return self._change_due
 
-    def summaries(self) -> dict[str, Summary]:
+    def summaries(self) -> Mapping[str, Summary]:
         """Return the present level and message of each task, by its name."""
         with self._lock:
-            now = self._clock()
-            statuses = {task.name: self._run(task, now) for task in self._tasks}
-            return {name: Summary(status.level, status.message)
-                    for name, status in statuses.items()}
+            return _summaries(self._run_all(self._clock()))
 
     def statuses(self) -> tuple[DiagnosticStatus, ...]:
         """Return the present level, message and values of each task."""
         with self._lock:
             now = self._clock()
-            statuses = [(task.name, self._run(task, now)) for task in self._tasks]
-            self._reported = [_without_numbers(status) for _, status in statuses]
+            statuses = self._run_all(now)
+            self.latest = _summaries(statuses)
+            self._reported, self._change_due = _without_numbers(self.latest), False
             self._reported_at = self._evaluated_at = now
             return tuple(DiagnosticStatus(
                 status.level, status_name(self._node_label, name), status.message,
-                self.hardware_id, self._values(name, status)) for name, status in statuses)
+                self.hardware_id, self._values(name, status)) for name, status in statuses.items())
+
+    def _run_all(self, now: float) -> dict[str, Status]:
+        return {task.name: self._run(task, now) for task in self._tasks}
 
     def _run(self, task: DiagnosticTask, now: float) -> Status:
         status = Status(now)
@@ -103,5 +108,9 @@ class Updater:
             return ()
 
 
-def _without_numbers(status: Status) -> Summary:
-    return Summary(status.level, _NUMBER.sub('#', status.message))
+def _summaries(statuses: Mapping[str, Status]) -> dict[str, Summary]:
+    return {name: Summary(status.level, status.message) for name, status in statuses.items()}
+
+
+def _without_numbers(summaries: Mapping[str, Summary]) -> list[Summary]:
+    return [Summary(level, _NUMBER.sub('#', message)) for level, message in summaries.values()]

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node: it connects the port, the pipeline and the topics of a device."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 import sys
 import threading
@@ -25,7 +25,7 @@ from bahrs_driver.node.diagnostics_publisher import DiagnosticsPublisher, TOPIC
 from bahrs_driver.node.nvm_services import NvmServices
 from bahrs_driver.node.sim_time import keep_host_time
 from bahrs_driver.node.topics import LEAST_QUEUE_DEPTH, Topics
-from bahrs_driver.pipeline import DecodingFault, Notice, Stamped
+from bahrs_driver.pipeline import DecodingFault, Event, Notice, Stamped
 from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.ros.header import nanoseconds
 from bahrs_driver.settings.command_line import RosArguments
@@ -34,12 +34,13 @@ from bahrs_driver.settings.parameter_node import ParameterNode
 from bahrs_driver.settings.parameter_requests import ParameterRequests
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.port_events import (
-    BytesRead, Decoded, PortEvent, PortOpened, PortUnavailable, PortUsable, Silence,
+    BytesRead, PortEvent, PortOpened, PortUnavailable, PortUsable, Silence, StreamEnded,
 )
 from bahrs_driver.transport.port_reader import PortReader
 from diagnostic_msgs.msg import DiagnosticArray
 from diagnostic_msgs.srv import SelfTest
 from rclpy.exceptions import NameValidationException
+from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from sensor_msgs.msg import TimeReference
@@ -116,12 +117,12 @@ class DriverNode(ParameterNode):
     def _handle(self, event: PortEvent) -> None:
         """Dispatch an event of the port."""
         match event:
-            case Decoded():
-                self._publish_events(event)
             case BytesRead():
-                self._publish_bytes(event)
+                self._handle_read(event)
+            case StreamEnded():
+                self._publish_events(event.events, time.monotonic())
             case Silence():
-                self._publish_silence()
+                self._publish_silence(time.monotonic())
             case PortOpened():
                 self._begin_stream()
             case PortUsable():
@@ -149,28 +150,32 @@ class DriverNode(ParameterNode):
             self._parts.converter.end_stream(time.time_ns())))
         self._diagnostics.report_change()
 
-    def _publish_bytes(self, event: BytesRead) -> None:
-        """Publish the bytes of a read if publish.raw is set; check for silence; flush topics."""
-        if publisher := self._topics.raw:
-            (data, now), connection = event.reading, event.connection
-            metadata = ReadMetadata(self._spec.name, connection.number, connection.byte_time_ns,
-                                    now.ros_ns, now.raw_ns)
-            message = raw.message(data, metadata.to_label())
-            self.faults.survive('publishing raw', publisher.publish,
-                                self._topics.serialize(message))
-        self._publish_silence()
+    def _handle_read(self, event: BytesRead) -> None:
+        """Publish the bytes of a read if publish.raw is set, and what they complete."""
+        if event.events is not None:
+            self._send_requests()       # first, because the line is idle after an answer
+        if self._topics.raw:
+            self.faults.survive('publishing raw', self._publish_bytes, self._topics.raw, event)
+        now = time.monotonic()
+        self._publish_silence(now)
         self._topics.flush()
+        if event.events is not None:
+            self._publish_events(event.events, now)
 
-    def _publish_silence(self) -> None:
-        """Publish that the device is silent if its data is stale."""
-        if self._parts.health.stale(time.monotonic()):
+    def _publish_bytes(self, publisher: Publisher, event: BytesRead) -> None:
+        (data, now), connection = event.reading, event.connection
+        metadata = ReadMetadata(self._spec.name, connection.number, connection.byte_time_ns,
+                                now.ros_ns, now.raw_ns)
+        publisher.publish(self._topics.serialize(raw.message(data, metadata.to_label())))
+
+    def _publish_silence(self, now: float) -> None:
+        """Publish that the device is silent if its data is stale at a monotonic time."""
+        if self._parts.health.stale(now):
             self._topics.publish(self._parts.converter.report_silence(time.time_ns()))
 
-    def _publish_events(self, decoded: Decoded) -> None:
+    def _publish_events(self, events: Sequence[Event], now: float) -> None:
         """Publish the messages of one read; log its notices and faults."""
-        self._send_requests()           # first, because the line is idle after an answer
-        now = time.monotonic()
-        for event in decoded.events:
+        for event in events:
             if isinstance(event, Notice):
                 self._log.warning(event.text)
                 self._time_task.notice(event.text, now)
@@ -178,9 +183,9 @@ class DriverNode(ParameterNode):
                 self.faults.report('decoding a frame', event.error)
             else:
                 self._handle_message(event, now)
-        self.faults.survive('watching the clock', self._time_task.update, now)
         for notice in self._parts.take_notices():
             self._log.warning(notice)
+        self.faults.survive('watching the clock', self._time_task.update, now)
         self._diagnostics.report_change()
 
     def _handle_message(self, stamped: Stamped, now: float) -> None:
@@ -191,7 +196,7 @@ class DriverNode(ParameterNode):
         except Exception as error:
             self.faults.report(f'publishing {message.NAME}', error)
         self.faults.survive('watching the data', self._parts.health.observe, message, now)
-        if self._live.nvm:
+        if self._live.nvm and self._live.nvm.reading:
             self.faults.survive('reading the memory', self._live.nvm.receive, message, frame)
 
     def _watch_until_stopped(self) -> None:
@@ -220,7 +225,7 @@ class DriverNode(ParameterNode):
     def _log_problems(self) -> None:
         # While the port is closed, its error is already in the log.
         is_open = self._reader.counters.open_since is not None
-        self._problems.check(self._updater.summaries() if is_open else {}, time.monotonic())
+        self._problems.check(self._updater.latest if is_open else {}, time.monotonic())
 
     def _subscribe_to_pulses(self, topic: str) -> None:
         if not topic:

@@ -48,8 +48,8 @@ def paired_reading(clock: int) -> PairedReading:
 
 def host_instant() -> Instant:
     """Read CLOCK_MONOTONIC_RAW and ROS time; the raw time is that of the call."""
-    reading = paired_reading(time.CLOCK_MONOTONIC_RAW)
-    return Instant(reading.time, reading.time + reading.offset)
+    raw, least, most = paired_reading(time.CLOCK_MONOTONIC_RAW)
+    return Instant(raw, raw + (least + most) // 2)
 
 
 class SystemTime:

@@ -69,18 +69,16 @@ class DescriptorChannel:
             waker.clear()
             return None
         # An adapter delivers bytes in blocks: read a whole block, with one time. A time from
-        # before the count could be earlier than the last bytes counted.
-        count = min(self._count_waiting(), LARGEST_READ)
-        now = host_instant()
+        # before the read could be earlier than the last bytes.
         try:
-            data = os.read(self._descriptor, count or 1)
+            data = os.read(self._descriptor, LARGEST_READ)
         except BlockingIOError:
             self._handle_no_data()
             return None
-        if not data:
-            self._handle_end_of_stream()
-            return None
-        return Reading(data, now)
+        if data:
+            return Reading(data, host_instant())
+        self._handle_end_of_stream()
+        return None
 
     def _register(self, waker: int) -> None:
         if waker != self._waker_polled:

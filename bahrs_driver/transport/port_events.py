@@ -40,14 +40,15 @@ class PortUnavailable(NamedTuple):
 
 
 class BytesRead(NamedTuple):
-    """A read returned bytes. What they complete follows in a Decoded event."""
+    """A read returned bytes; the pipeline returned events, None if no frame was complete."""
 
     reading: Reading
     connection: Connection
+    events: Sequence[Event] | None
 
 
-class Decoded(NamedTuple):
-    """The pipeline found frames, or returned events, in a read or at the end of a stream."""
+class StreamEnded(NamedTuple):
+    """The pipeline returned events at the end of a stream."""
 
     events: Sequence[Event]
 
@@ -56,4 +57,4 @@ class Silence(NamedTuple):
     """A read timed out without a byte."""
 
 
-PortEvent = PortOpened | PortUsable | PortUnavailable | BytesRead | Decoded | Silence
+PortEvent = PortOpened | PortUsable | PortUnavailable | BytesRead | StreamEnded | Silence

@@ -13,9 +13,9 @@ a fault of the driver: it is logged and counted, and reading continues.
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from functools import partial
 import threading
 import time
+from typing import Any
 
 from bahrs_driver.errors import LinkError
 from bahrs_driver.pipeline import Event, Pipeline
@@ -23,7 +23,8 @@ from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.transport.channel import Reading
 from bahrs_driver.transport.link import Link
 from bahrs_driver.transport.port_events import (
-    BytesRead, Connection, Decoded, PortEvent, PortOpened, PortUnavailable, PortUsable, Silence,
+    BytesRead, Connection, PortEvent, PortOpened, PortUnavailable, PortUsable, Silence,
+    StreamEnded,
 )
 
 FIRST_PAUSE = 0.1       # s, before the port is tried again
@@ -110,31 +111,33 @@ class PortReader:
             if reading is None:
                 yield Silence()
             else:
-                yield BytesRead(reading, self._connection)
-                yield from self._feed(reading)
+                events = self._feed(reading)
+                if self.counters.open_since is None and self._has_frames:
+                    yield from self._report_usable()
+                yield BytesRead(reading, self._connection, events)
             if self.counters.open_since is None and self._open_for() >= STABLE_TIME:
                 yield from self._report_usable()
 
     def _open_for(self) -> float:
         return 0.0 if self._opened_at is None else time.monotonic() - self._opened_at
 
-    def _feed(self, reading: Reading) -> Iterator[PortEvent]:
+    def _feed(self, reading: Reading) -> Sequence[Event] | None:
+        """Return the events of a read; None if there are none and no frame was complete."""
         self.counters.last_data = time.monotonic()
         framing = self._pipeline.counters.framing
         frames_before = framing.frames
-        events = self._run_step(partial(self._pipeline.feed, reading.data, reading.now))
-        has_frames = framing.frames > frames_before
-        if has_frames:          # without frames, a port that flaps keeps its longer pause
+        events = self._run_step(self._pipeline.feed, *reading)
+        if framing.frames > frames_before:  # without, a port that flaps keeps its longer pause
             self._pause, self._has_frames = FIRST_PAUSE, True
-            yield from self._report_usable()
-        if has_frames or events:
-            yield Decoded(events)
+            return events
+        return events or None
 
-    def _run_step(self, step: Callable[[], Sequence[Event]]) -> Sequence[Event]:
+    def _run_step(self, step: Callable[..., Sequence[Event]], *arguments: Any
+                  ) -> Sequence[Event]:
         """Return the events of a step of the pipeline; none if it fails."""
         try:
             with self._lock:
-                return step()
+                return step(*arguments)
         except Exception as error:
             self._faults.report(READING, error)
             return ()
@@ -147,7 +150,7 @@ class PortReader:
             self._flapping = not self._has_frames and self._open_for() < STABLE_TIME
             self._opened_at = self.counters.open_since = None
             if events := self._run_step(self._pipeline.close):
-                yield Decoded(events)
+                yield StreamEnded(events)
         if self._stopping.is_set():         # stop() caused the failure
             return
         yield from self._report_failure(failure, was_open)

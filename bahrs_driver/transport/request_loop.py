@@ -49,11 +49,16 @@ class _Request(NamedTuple):
 
 
 class RequestLoop:
-    """Writes the requests of a scheduler. Use the scheduler only while `lock` is held."""
+    """
+    Writes the requests of a scheduler.
+
+    Use the scheduler only while `lock` is held, and notify `changed` after events.
+    """
 
     def __init__(self, link: Writer, scheduler: RequestScheduler | None = None) -> None:
         """Write to a link; the scheduler may be exchanged at any time."""
-        self.lock = threading.Condition()
+        self.lock = threading.RLock()
+        self.changed = threading.Condition(self.lock)
         self.scheduler = scheduler
         self._link = link
         self._stopping = False
@@ -67,7 +72,7 @@ class RequestLoop:
         """Make run() return soon. To be called from another thread."""
         with self.lock:
             self._stopping = True
-            self.lock.notify_all()
+            self.changed.notify_all()
 
     def send_due(self) -> None:
         """
@@ -75,7 +80,7 @@ class RequestLoop:
 
         What the port does not accept at once is lost: the calling thread must read the answers.
         """
-        while True:
+        while self.scheduler is not None:
             with self.lock:
                 request = self._take_request()
             if not request:
@@ -89,7 +94,7 @@ class RequestLoop:
                 request = self._take_request()
                 if request:
                     return request
-                self.lock.wait(self._time_to_next())
+                self.changed.wait(self._time_to_next())
         return None
 
     def _take_request(self) -> _Request | None:
@@ -98,7 +103,7 @@ class RequestLoop:
         if scheduler is None:
             return None
         data = scheduler.send(now_ns())
-        self.lock.notify_all()          # send() may have ended a session
+        self.changed.notify_all()       # send() may have ended a session
         return _Request(scheduler, data) if data else None
 
     def _time_to_next(self) -> float | None:

@@ -17,7 +17,7 @@ from bahrs_driver.process.fault_log import FaultLog
 from bahrs_driver.ros_layout.layouts import serialize
 from bahrs_driver.transport.channel import Reading
 from bahrs_driver.transport.port_events import (
-    BytesRead, Decoded, PortOpened, PortUnavailable, PortUsable,
+    BytesRead, PortOpened, PortUnavailable, PortUsable, StreamEnded,
 )
 from bahrs_driver.transport.port_reader import PortReader
 from golden_inputs import BYTE_NS, Input, Read, SECOND
@@ -92,7 +92,8 @@ class _Node:
     def run(self) -> None:
         """Handle all events."""
         handlers = {PortOpened: self._opened, PortUsable: lambda _: self.note('usable'),
-                    PortUnavailable: self._failed, BytesRead: self._read, Decoded: self._decoded}
+                    PortUnavailable: self._failed, BytesRead: self._read,
+                    StreamEnded: self._decoded}
         for event in self._reader.events():
             handlers[type(event)](event)
 
@@ -112,8 +113,10 @@ class _Node:
         self._now = event.reading.now
         if self._sensor.health.stale(self._now.raw_ns / SECOND):
             self._publish(self._sensor.converter.report_silence(self._now.ros_ns))
+        if event.events is not None:
+            self._decoded(event)
 
-    def _decoded(self, event: Decoded) -> None:
+    def _decoded(self, event: BytesRead | StreamEnded) -> None:
         """Publish what the messages of one read become."""
         for item in event.events:
             if isinstance(item, Notice):

@@ -15,7 +15,7 @@ from bahrs_driver.protocol.framing import Framer
 from bahrs_driver.transport import port_reader
 from bahrs_driver.transport.channel import Reading
 from bahrs_driver.transport.port_events import (
-    BytesRead, Connection, Decoded, PortOpened, PortUnavailable, PortUsable, Silence,
+    BytesRead, Connection, PortOpened, PortUnavailable, PortUsable, Silence, StreamEnded,
 )
 from bahrs_driver.transport.port_reader import PortReader
 from hypothesis import given, strategies as st
@@ -85,7 +85,7 @@ class Diary:
         self.streams = self.ends = 0
         self._handlers = {
             PortOpened: self.opened, PortUsable: self.usable, PortUnavailable: self.unavailable,
-            BytesRead: self.read, Silence: self.silence, Decoded: self.decoded}
+            BytesRead: self.read, Silence: self.silence, StreamEnded: self.decoded}
 
     def record(self, event):
         """Record an event."""
@@ -111,6 +111,8 @@ class Diary:
         """Keep the reading."""
         assert event.connection == self.connections[-1]
         self.readings.append(event.reading)
+        if event.events is not None:
+            self.decoded(event)
 
     def silence(self, _):
         """Record it."""

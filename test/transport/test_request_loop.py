@@ -72,7 +72,7 @@ def schedule(loop, script, delay=0):
     """Schedule a request after a delay in ns, and wake the loop."""
     with loop.lock:
         script.next = now_ns() + delay
-        loop.lock.notify_all()
+        loop.changed.notify_all()
 
 
 def test_a_request_is_written_when_it_is_due(running):

@@ -52,6 +52,7 @@ TOPICS: dict[str, type] = {
     'time_reference': values.TimeReference,
     'sync_pulse': values.TimeReference,
 }
+NAVIGATION_TOPICS = {*TOPICS, TF} - {'imu/data_raw', 'integrity', 'time_reference', 'sync_pulse'}
 # A late subscriber receives the last message of these.
 LATCHED = {'integrity'}
 
@@ -99,7 +100,7 @@ class BahrsConverter:
 
     def __init__(self, options: BahrsOptions) -> None:
         self._options = options
-        self._topics: Container[str] = ALL_TOPICS
+        self.select(ALL_TOPICS)
         self._accuracy = OrientationAccuracy(
             options.convention, options.declination, options.orientation_fallback)
         self._notice = IntegrityNotice(Inertial.SIGNALS + Navigation.SIGNALS)
@@ -116,6 +117,7 @@ class BahrsConverter:
     def select(self, topics: Container[str]) -> None:
         """Convert only for these topics from now on; notices of integrity are never left out."""
         self._topics = topics
+        self._idle = not any(topic in topics for topic in NAVIGATION_TOPICS)
 
     def end_stream(self, stamp_ns: int) -> Outgoing:
         """Forget the stream; return the notice that no signal is known, at the present time."""
@@ -191,6 +193,8 @@ class BahrsConverter:
         self._accuracy.count_navigation()
         inertial, stamp_ns = self._sample_of(message, stamp_ns)
         yield from self._changes(message, stamp_ns)
+        if self._idle:
+            return
         height_factor, velocity_factor, roll_factor, pitch_factor, heading_factor = \
             self._options.integrity_policy.variance_factors(message.health)
         if height_factor is not None:

@@ -34,13 +34,13 @@ class DeviceTask:
 
     def observe(self, message: Message) -> None:
         """Remember the versions, and check the height, in a message."""
-        if isinstance(message, SoftwareVersion):
+        if isinstance(message, Navigation):
+            self._wrong_height = (message.pressure_height < LEAST_HEIGHT
+                                  and message.health[0].available)
+        elif isinstance(message, SoftwareVersion):
             self._software = message
         elif isinstance(message, HardwareVersion):
             self._hardware = message
-        elif isinstance(message, Navigation):
-            self._wrong_height = (message.health[0].available
-                                  and message.pressure_height < LEAST_HEIGHT)
 
     @property
     def device_id(self) -> str:
