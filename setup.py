@@ -27,6 +27,7 @@ setup(
     install_requires=['numpy', 'pyproj', 'pyserial', 'pyyaml', 'rich', 'setuptools'],
     extras_require={
         'tools': ['matplotlib>=3.5', 'mcap>=1.6', 'rosbags>=0.11'],
+        'parquet': ['pyarrow>=16'],
         'test': ['hypothesis', 'pytest'],       # by which colcon knows what to test with
     },
     python_requires='>=3.10',

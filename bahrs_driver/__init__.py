@@ -53,13 +53,16 @@ if TYPE_CHECKING:
     from bahrs_driver.pipeline import DecodingFault, Notice, Pipeline, Stamped
     from bahrs_driver.protocol.framing import Frame, Framer
     from bahrs_driver.reprocess.decode import decode
+    from bahrs_driver.reprocess.read import read
+    from bahrs_driver.tables.table import Table, Tables
     from bahrs_driver.units import byte_time_ns
 
 __version__ = '0.1.0'
 
 __all__ = [
     'BahrsDriverError', 'DEVICES', 'DecodingFault', 'Frame', 'Framer', 'Instant', 'Notice',
-    'Pipeline', 'SampleClock', 'Stamped', '__version__', 'byte_time_ns', 'decode']
+    'Pipeline', 'SampleClock', 'Stamped', 'Table', 'Tables', '__version__', 'byte_time_ns',
+    'decode', 'read']
 
 _MODULES = {
     'clock': ('Instant', 'SampleClock'),
@@ -68,6 +71,8 @@ _MODULES = {
     'pipeline': ('DecodingFault', 'Notice', 'Pipeline', 'Stamped'),
     'protocol.framing': ('Frame', 'Framer'),
     'reprocess.decode': ('decode',),
+    'reprocess.read': ('read',),
+    'tables.table': ('Table', 'Tables'),
     'units': ('byte_time_ns',)}
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 

@@ -4,10 +4,7 @@
 
 import argparse
 
-from bahrs_driver.bag.capture import Capture
 from bahrs_driver.devices.registry import DEFAULT, DEVICES
-from bahrs_driver.errors import CommandError
-from bahrs_driver.process.printable import printable
 
 
 def add_topic_option(parser: argparse.ArgumentParser) -> None:
@@ -21,12 +18,3 @@ def add_sensor_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--sensor', choices=tuple(DEVICES),
                         help='device that sent the bytes (default: the one that the bag names, or '
                              f'{DEFAULT})')
-
-
-def sensor_of(capture: Capture | None, chosen: str | None) -> str:
-    """Return the device that the user or the recording names; CommandError if unknown."""
-    name = chosen or (capture and capture.sensor) or DEFAULT
-    if capture and name not in DEVICES:
-        raise CommandError(f"{printable(capture.path)} is of a sensor '{printable(name)}', which "
-                           f'is not known here: choose one of {", ".join(DEVICES)} with --sensor')
-    return name

@@ -8,14 +8,11 @@ import contextlib
 from datetime import datetime, timezone
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from bahrs_driver.bag.capture import Capture
-from bahrs_driver.bag.open_capture import open_capture
-from bahrs_driver.cli.capture_options import (
-    add_sensor_option, add_topic_option, sensor_of,
-)
+from bahrs_driver.cli.capture_options import add_sensor_option, add_topic_option
 from bahrs_driver.cli.convert_settings import read_settings, unused_options
-from bahrs_driver.cli.node_options import checked_namespace
 from bahrs_driver.cli.printing import warn
 from bahrs_driver.cli.progress import progress_bar
 from bahrs_driver.devices.registry import DEVICES
@@ -23,16 +20,22 @@ from bahrs_driver.errors import CaptureError, CommandError, WriteError
 from bahrs_driver.files.new_directory import new_directory
 from bahrs_driver.process.garbage_collection import rare_collections
 from bahrs_driver.process.printable import printable
-from bahrs_driver.reprocess.bag_topic_writer import BagTopicWriter
 from bahrs_driver.reprocess.conversion import Conversion, ConversionResult
-from bahrs_driver.reprocess.csv_topic_writer import CsvTopicWriter
+from bahrs_driver.reprocess.recording import no_frames, open_recording
+from bahrs_driver.ros.start import check_import
+from bahrs_driver.tables.table_files import SINKS, table_files
+from bahrs_driver.tables.table_writer import TableWriter
 from bahrs_driver.units import NS_PER_S
 from rich.progress import TaskID
+
+if TYPE_CHECKING:
+    from bahrs_driver.reprocess.bag_topic_writer import BagTopicWriter
 
 _EXAMPLES = """examples:
   bahrs convert flight flight_topics              from a bag with the topic raw
   bahrs convert flight.bin flight_topics --start 2026-05-01T12:00:00Z
   bahrs convert flight flight_csv --as csv -p frame_convention:=ned
+  bahrs convert flight flight_tables --as parquet  for pandas and polars
 """
 
 
@@ -47,9 +50,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('input', metavar='IN',
                         help='bag with the topic raw, or file of raw bytes')
     parser.add_argument('output', metavar='OUT', help='directory to create')
-    parser.add_argument('--as', dest='kind', choices=('bag', 'csv'), default='bag',
-                        help='output format: a rosbag2 directory (MCAP), or one CSV file per '
-                             'topic (default: %(default)s)')
+    parser.add_argument('--as', dest='kind', choices=('bag', *SINKS), default='bag',
+                        help='output format: a rosbag2 directory (MCAP), or a directory with a '
+                             'CSV, numpy (npz) or Parquet file per topic (default: %(default)s)')
     add_sensor_option(parser)
     parser.add_argument('--start', type=_time, metavar='TIME',
                         help='time of the first time message in a file of raw bytes, such as '
@@ -67,20 +70,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Convert a recording."""
-    options.namespace = checked_namespace(options.namespace)
-    _refuse_pipe(options.input)
-    capture = open_capture(options.input, options.topic)
-    name = sensor_of(capture, options.sensor)
-    if not capture.timed and not DEVICES[name].recording_format(DEVICES[name].settings()):
-        raise CommandError(f'{options.input} cannot be converted: answers of a {name} have no '
-                           'times; record the topic raw, or show them with bahrs decode')
+    if options.namespace:           # the only use of ROS
+        check_import()
+        from bahrs_driver.cli.node_options import checked_namespace
+        options.namespace = checked_namespace(options.namespace)
+    capture, name = open_recording(options.input, options.topic, options.sensor)
     settings, notes = read_settings(options.parameters, name)
     conversion = Conversion(capture, settings, DEVICES[name], options.start)
     with new_directory(options.output) as folder:
         with _shown_as(options.output, folder):
             result = _convert(options, conversion, capture, folder)
         if not result.frames:
-            raise CommandError(f'no frame of a {name} in {options.input}')
+            raise no_frames(options.input, name)
     _report(options, [*unused_options(options, capture.timed), *notes, *capture.notes,
                       *conversion.notices, *result.clock_steps], result)
     return 0
@@ -95,19 +96,10 @@ def _shown_as(target: str, folder: Path) -> Iterator[None]:
         raise CommandError(str(error).replace(printable(folder), printable(target))) from error
 
 
-def _refuse_pipe(name: str) -> None:
-    """Raise CommandError for an input that cannot be read twice, such as a pipe."""
-    source = Path(name)
-    if source.exists() and not (source.is_file() or source.is_dir()):
-        raise CommandError(f'{printable(name)} is not a regular file, and a conversion reads its '
-                           'input twice: write the bytes into a file first')
-
-
 def _convert(options: argparse.Namespace, conversion: Conversion, capture: Capture,
              folder: Path) -> ConversionResult:
-    writer: CsvTopicWriter | BagTopicWriter = CsvTopicWriter(folder) \
-        if options.kind == 'csv' else BagTopicWriter(folder, folder.name, options.namespace)
-    with contextlib.closing(writer), progress_bar() as bar, rare_collections():
+    with contextlib.closing(_open_writer(options, folder)) as writer, progress_bar() as bar, \
+            rare_collections():
         tasks: dict[str, TaskID] = {}
 
         def progress(what: str) -> None:
@@ -116,6 +108,13 @@ def _convert(options: argparse.Namespace, conversion: Conversion, capture: Captu
             bar.update(tasks[what], completed=capture.done)
 
         return conversion.run(writer, progress)
+
+
+def _open_writer(options: argparse.Namespace, folder: Path) -> 'TableWriter | BagTopicWriter':
+    if options.kind in SINKS:
+        return table_files(folder, options.kind)
+    from bahrs_driver.reprocess.bag_topic_writer import BagTopicWriter
+    return BagTopicWriter(folder, folder.name, options.namespace)
 
 
 def _report(options: argparse.Namespace, notes: list[str], result: ConversionResult) -> None:

@@ -10,13 +10,9 @@ from bahrs_driver.devices.registry import parameter_table
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.errors import CommandError
 from bahrs_driver.process.printable import printable
-from bahrs_driver.settings.group import parameters
-from bahrs_driver.settings.table import ParameterTable, SENSOR, unknown_parameter
+from bahrs_driver.reprocess.recording_settings import recording_settings
+from bahrs_driver.settings.table import ParameterTable, unknown_parameter
 import yaml
-
-# Prefixes of the parameters that only a driver with a port uses.
-LIVE_ONLY = ('port', 'publish.raw', 'publish.static_tf', 'publish.tf', 'nvm.', 'startup.',
-             'diagnostics.qualified_name')
 
 
 def read_settings(rules: Sequence[str], sensor: str) -> tuple[CommonSettings, list[str]]:
@@ -32,21 +28,7 @@ def read_settings(rules: Sequence[str], sensor: str) -> tuple[CommonSettings, li
         name, value = _parse(rule, table)
         given[name] = value
         rule_of[name] = printable(rule)
-    values = table.values({SENSOR: sensor, **given})
-    if values[SENSOR] != sensor:
-        raise CommandError(f'-p {rule_of[SENSOR]}: write --sensor {values[SENSOR]} instead')
-    settings = table.settings(values)[1].for_recording()
-    for row in parameters(settings):
-        if row.name in given and values[row.name] != row.default \
-                and not row.name.startswith(LIVE_ONLY):
-            raise CommandError(f'-p {rule_of[row.name]}: it must be 0, because a conversion sends '
-                               'no requests')
-    notes = [note for name in given if (note := table.by_name[name].correction(given[name]))]
-    unused = [*table.unused(given, sensor, settings),
-              *(f'{name} (it is for a port)' for name in given if name.startswith(LIVE_ONLY))]
-    if unused:
-        notes.append(f'settings without effect: {"; ".join(unused)}')
-    return settings, notes
+    return recording_settings(given, sensor, lambda name: f'-p {rule_of[name]}')
 
 
 def unused_options(options: argparse.Namespace, timed: bool) -> list[str]:
@@ -56,8 +38,8 @@ def unused_options(options: argparse.Namespace, timed: bool) -> list[str]:
         unused.append('--start (the recording has times)')
     if options.topic is not None and not timed:
         unused.append('--topic (a file of bytes has no topics)')
-    if options.namespace and options.kind == 'csv':
-        unused.append('--namespace (CSV files are named after topics without it)')
+    if options.namespace and options.kind != 'bag':
+        unused.append('--namespace (files are named after topics without it)')
     return [f'options without effect: {"; ".join(unused)}'] if unused else []
 
 

@@ -34,7 +34,7 @@ VERBS = {
     'report': 'write an HTML page about a recording',
 }
 
-IMPORT_RCLPY = ('convert', 'monitor', 'record')
+IMPORT_RCLPY = ('monitor', 'record')
 ROS_NODES = ('doctor', 'monitor', 'record')     # verbs that pass --ros-args to ROS
 MAX_ERROR_LENGTH = 2000     # characters; names of files may be long
 CLEAN_UP_TIME = 1.0         # s for the nodes of verbs at the end of the process

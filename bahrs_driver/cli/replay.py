@@ -13,9 +13,7 @@ from bahrs_driver.bag.capture import Capture, PIECE
 from bahrs_driver.bag.log_clock import LogClock
 from bahrs_driver.bag.open_capture import open_capture
 from bahrs_driver.cli.cable_options import add_cable_options, FAULTS_HELP
-from bahrs_driver.cli.capture_options import (
-    add_sensor_option, add_topic_option, sensor_of,
-)
+from bahrs_driver.cli.capture_options import add_sensor_option, add_topic_option
 from bahrs_driver.cli.inputs import binary_input, STANDARD_INPUT
 from bahrs_driver.cli.printing import print_counts, warn
 from bahrs_driver.devices.registry import DEVICES
@@ -24,6 +22,7 @@ from bahrs_driver.files.guard import reason
 from bahrs_driver.process.argument_types import bounded_float, positive_float
 from bahrs_driver.process.printable import printable
 from bahrs_driver.protocol.framing import Framer
+from bahrs_driver.reprocess.recording import sensor_of
 from bahrs_driver.units import NS_PER_S
 from bahrs_driver.virtual_serial.cable import AT_ONCE, Cable
 from bahrs_driver.virtual_serial.faults import Faults

@@ -133,7 +133,7 @@ class Float64(NamedTuple):
 
 
 class Vector3Stamped(NamedTuple):
-    """geometry_msgs/Vector3Stamped."""
+    """geometry_msgs/Vector3Stamped: roll, pitch and yaw in rad."""
 
     stamp_ns: int
     frame_id: str

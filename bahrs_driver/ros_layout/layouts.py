@@ -10,44 +10,52 @@ from bahrs_driver.ros_layout.rows import (
 )
 from bahrs_driver.ros_layout.sequence_layout import SequenceLayout
 
+_POSE = 'm^2, m rad, rad^2'
+_TWIST = '(m/s)^2, m rad/s^2, (rad/s)^2'
+
 LAYOUTS: dict[type, MessageLayout] = {
     values.Imu: MessageLayout(
         'sensor_msgs/msg/Imu', *HEADER,
-        members('orientation', 'xyzw'), array('orientation_covariance', 9),
-        members('angular_velocity', 'xyz'), array('angular_velocity_covariance', 9),
-        members('linear_acceleration', 'xyz'), array('linear_acceleration_covariance', 9)),
+        members('orientation', 'xyzw'), array('orientation_covariance', 9, 'rad^2'),
+        members('angular_velocity', 'xyz', 'rad/s'),
+        array('angular_velocity_covariance', 9, '(rad/s)^2'),
+        members('linear_acceleration', 'xyz', 'm/s^2'),
+        array('linear_acceleration_covariance', 9, '(m/s^2)^2')),
     values.MagneticField: MessageLayout(
         'sensor_msgs/msg/MagneticField', *HEADER,
-        members('magnetic_field', 'xyz'), array('magnetic_field_covariance', 9)),
+        members('magnetic_field', 'xyz', 'T'), array('magnetic_field_covariance', 9, 'T^2')),
     values.FluidPressure: MessageLayout(
         'sensor_msgs/msg/FluidPressure', *HEADER,
-        number('fluid_pressure', 'd'), number('variance', 'd')),
+        number('fluid_pressure', 'd', 'Pa'), number('variance', 'd', 'Pa^2')),
     values.Temperature: MessageLayout(
         'sensor_msgs/msg/Temperature', *HEADER,
-        number('temperature', 'd'), number('variance', 'd')),
+        number('temperature', 'd', 'degC'), number('variance', 'd', 'degC^2')),
     values.NavSatFix: MessageLayout(
         'sensor_msgs/msg/NavSatFix', *HEADER,
         number('status.status', 'b'), number('status.service', 'H'),
-        number('latitude', 'd'), number('longitude', 'd'), number('altitude', 'd'),
-        array('position_covariance', 9), number('position_covariance_type', 'B')),
+        number('latitude', 'd', 'deg'), number('longitude', 'd', 'deg'),
+        number('altitude', 'd', 'm'),
+        array('position_covariance', 9, 'm^2'), number('position_covariance_type', 'B')),
     values.PoseWithCovarianceStamped: MessageLayout(
         'geometry_msgs/msg/PoseWithCovarianceStamped', *HEADER,
-        members('pose.pose.position', 'xyz'), members('pose.pose.orientation', 'xyzw'),
-        array('pose.covariance', 36)),
+        members('pose.pose.position', 'xyz', 'm'), members('pose.pose.orientation', 'xyzw'),
+        array('pose.covariance', 36, _POSE)),
     values.TwistWithCovarianceStamped: MessageLayout(
         'geometry_msgs/msg/TwistWithCovarianceStamped', *HEADER,
-        members('twist.twist.linear', 'xyz'), members('twist.twist.angular', 'xyz'),
-        array('twist.covariance', 36)),
+        members('twist.twist.linear', 'xyz', 'm/s'),
+        members('twist.twist.angular', 'xyz', 'rad/s'),
+        array('twist.covariance', 36, _TWIST)),
     values.Odometry: MessageLayout(
         'nav_msgs/msg/Odometry', *HEADER, text('child_frame_id'),
-        members('pose.pose.position', 'xyz'), members('pose.pose.orientation', 'xyzw'),
-        array('pose.covariance', 36),
-        members('twist.twist.linear', 'xyz'), members('twist.twist.angular', 'xyz'),
-        array('twist.covariance', 36)),
+        members('pose.pose.position', 'xyz', 'm'), members('pose.pose.orientation', 'xyzw'),
+        array('pose.covariance', 36, _POSE),
+        members('twist.twist.linear', 'xyz', 'm/s'),
+        members('twist.twist.angular', 'xyz', 'rad/s'),
+        array('twist.covariance', 36, _TWIST)),
     values.TimeReference: MessageLayout(
         'sensor_msgs/msg/TimeReference', *HEADER, time('time_ref'), text('source')),
     values.Vector3Stamped: MessageLayout(
-        'geometry_msgs/msg/Vector3Stamped', *HEADER, members('vector', 'xyz')),
+        'geometry_msgs/msg/Vector3Stamped', *HEADER, members('vector', 'xyz', 'rad')),
     values.Float64: MessageLayout('std_msgs/msg/Float64', number('data', 'd')),
     values.TFMessage: SequenceLayout(
         'tf2_msgs/msg/TFMessage',

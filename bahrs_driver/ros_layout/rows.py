@@ -31,6 +31,7 @@ class Row(NamedTuple):
     code: str = ''
     members: tuple[str, ...] = ()       # names of the numbers of a nested message
     length: int = 1                     # of an array
+    unit: str = ''                      # of the numbers
     type_name: str = ''                 # of the messages of a sequence
     rows: 'tuple[Row, ...]' = ()        # of the messages of a sequence
 
@@ -54,19 +55,19 @@ class Row(NamedTuple):
             yield self.path, number if self.length == 1 else f'{number}[{self.length}]'
 
 
-def number(path: str, code: str) -> Row:
+def number(path: str, code: str, unit: str = '') -> Row:
     """Return the row of one number; 'c' is a ROS byte, in Python a bytes object of length 1."""
-    return Row(path, Kind.NUMBER, code)
+    return Row(path, Kind.NUMBER, code, unit=unit)
 
 
-def members(path: str, names: str) -> Row:
+def members(path: str, names: str, unit: str = '') -> Row:
     """Return the row of a nested message of float64 with one-letter names, such as 'xyz'."""
-    return Row(path, Kind.NUMBERS, 'd', tuple(names), len(names))
+    return Row(path, Kind.NUMBERS, 'd', tuple(names), len(names), unit)
 
 
-def array(path: str, length: int) -> Row:
+def array(path: str, length: int, unit: str = '') -> Row:
     """Return the row of an array of float64."""
-    return Row(path, Kind.NUMBERS, 'd', (), length)
+    return Row(path, Kind.NUMBERS, 'd', (), length, unit)
 
 
 def time(path: str) -> Row:

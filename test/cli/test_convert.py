@@ -211,7 +211,7 @@ def test_options_without_effect_are_listed(byte_file, tmp_path):
                            '--namespace', 'left', '-p', 'port:=/dev/x', '-p', 'gps.week:=5')
     assert status == 0
     assert 'bahrs convert: options without effect: --topic (a file of bytes has no topics); ' \
-        '--namespace (CSV files' in text
+        '--namespace (files are named' in text
     assert 'bahrs convert: settings without effect: gps.week (sensor is bahrs); port (it is for ' \
         'a port)' in text
 

@@ -43,6 +43,8 @@ TO_FILE = {
 TO_NEW = {
     'convert': ('convert', 'FLIGHT'),
     'convert --as csv': ('convert', '--as', 'csv', 'FLIGHT'),
+    'convert --as npz': ('convert', '--as', 'npz', 'FLIGHT'),
+    'convert --as parquet': ('convert', '--as', 'parquet', 'FLIGHT'),
     'emulate --link': (*EMULATE, '--link'),
 }
 EVERY_VERB = {**TO_FILE, **TO_NEW}

@@ -10,42 +10,20 @@ from bahrs_driver.devices.registry import DEVICES
 from bahrs_driver.ros_layout.layouts import LAYOUTS
 from bahrs_driver.ros_layout.message_layout import MessageLayout
 from bahrs_driver.ros_layout.message_objects import is_installed, matches, message_type, to_message
-from bahrs_driver.ros_layout.rows import data, Kind, number, records, text
+from bahrs_driver.ros_layout.rows import data, number, records, text
 from bahrs_driver.ros_layout.sequence_layout import SequenceLayout
 from bahrs_driver.units import NS_PER_S
 from hypothesis import given, strategies as st
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 from rosbags.typesys import get_typestore, Stores
+from support.layout_values import values_of
 
-# ROS strings end at the first zero byte, and are UTF-8, which has no surrogates.
-texts = st.text(st.characters(exclude_characters='\0', exclude_categories=['Cs']), max_size=30)
-RANGES = {'b': (-2 ** 7, 2 ** 7 - 1), 'B': (0, 2 ** 8 - 1), 'H': (0, 2 ** 16 - 1),
-          'I': (0, 2 ** 32 - 1)}
 # ROS from wheels has no tf2_msgs.
 EVERY = pytest.mark.parametrize('kind', [kind if is_installed(layout) else pytest.param(
     kind, marks=pytest.mark.skip(f'{layout.name} is not installed'))
     for kind, layout in LAYOUTS.items()], ids=lambda kind: kind.__name__)
 STORE = get_typestore(Stores.ROS2_JAZZY)
-
-
-def values_of(kind):
-    """Return a strategy for values of a kind."""
-    return st.builds(kind, *map(field, LAYOUTS[kind].rows))
-
-
-def field(row):
-    """Return a strategy for the value of a row."""
-    if row.kind is Kind.TEXT:
-        return texts
-    if row.kind is Kind.RECORDS:
-        return st.lists(st.tuples(*map(field, row.rows)), max_size=3).map(tuple)
-    if row.kind is Kind.DATA or row.code == 'c':
-        return st.binary(min_size=row.code == 'c', max_size=1 if row.code else 30)
-    if row.kind is Kind.TIME:
-        return st.integers(-2 ** 31 * 10 ** 9, 2 ** 31 * 10 ** 9 - 1)
-    one = st.floats() if row.code == 'd' else st.integers(*RANGES[row.code])
-    return one if row.kind is Kind.NUMBER else st.tuples(*[one] * row.length)
 
 
 @EVERY

@@ -1,0 +1,57 @@
+# Copyright 2026 The bahrs_driver authors
+# SPDX-License-Identifier: Apache-2.0
+"""Write a table for each topic, a block of rows at a time."""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Protocol
+
+from bahrs_driver.convert.outgoing import Values
+from bahrs_driver.tables.row_buffer import Block, RowBuffer
+
+
+class Sink(Protocol):
+    """Receives the blocks of one table."""
+
+    def write(self, block: Block) -> None:
+        """Append rows."""
+
+    def close(self) -> None:
+        """Complete the table."""
+
+
+class TableWriter:
+    """
+    Collects the messages of each topic and passes them to a sink in blocks.
+
+    open_sink is called with the name of each topic and the class of its values. Topics in
+    `without` are left out.
+    """
+
+    def __init__(self, open_sink: Callable[[str, type], Sink],
+                 without: frozenset[str] = frozenset()) -> None:
+        self._open_sink = open_sink
+        self._without = without
+        self._tables: dict[str, tuple[RowBuffer, Sink]] = {}
+
+    def begin(self, topics: Mapping[str, type], _latched: set[str]) -> None:
+        """Open the sink of each topic."""
+        for topic, kind in topics.items():
+            if topic not in self._without:
+                self._tables[topic] = RowBuffer(kind), self._open_sink(topic, kind)
+
+    def write(self, messages: Iterable[tuple[int, tuple[str, Values]]]) -> None:
+        """Append values to the tables of their topics; messages begin with their log times."""
+        tables = self._tables
+        for time_ns, (topic, values) in messages:
+            if topic in tables:
+                buffer, sink = tables[topic]
+                buffer.append(time_ns, values)
+                if buffer.is_full:
+                    sink.write(buffer.take())
+
+    def close(self) -> None:
+        """Pass the last rows on, and close the sinks."""
+        for buffer, sink in self._tables.values():
+            if buffer.count:
+                sink.write(buffer.take())
+            sink.close()
