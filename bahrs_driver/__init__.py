@@ -3,14 +3,26 @@
 """
 ROS 2 driver for serial inertial sensors of unmanned aircraft.
 
-The names in `__all__` are the public interface for scripts. They need neither ROS nor numpy, and
-each is imported when it is first used. The messages of a device are dataclasses, in SI units, with
-a NAME: those of a DEVICE are in bahrs_driver.protocol.DEVICE.messages.
+The names in `__all__` are the public interface for scripts. They need no ROS, and only read() and
+its tables need numpy; each is imported when it is first used. The messages of a device are
+dataclasses, in SI units, with a NAME: those of a DEVICE are in bahrs_driver.protocol.DEVICE.messages.
+
+Read a recording, a file of bytes or a bag with the topic `raw`, as tables: those that `bahrs
+convert` writes. A table has an array for each field of the topic's messages:
+
+>>> import bahrs_driver
+>>> tables = bahrs_driver.read('flight.bin', parameters={'frame_convention': 'ned'})
+>>> imu = tables['imu/data']
+>>> imu['time_ns'].dtype, imu['angular_velocity.x'].shape == (imu.rows,)
+(dtype('int64'), True)
+>>> imu.stack('linear_acceleration')[0].round(3).tolist(), imu.units['linear_acceleration.z']
+([0.0, 0.0, -9.806], 'm/s^2')
+
+`pandas.DataFrame(imu)` and `polars.DataFrame(imu)` take a table as it is.
 
 Decode a file of bytes, or any iterable of bytes. Each message comes with the frame that carried it
 and its device time in microseconds, None where that is not known:
 
->>> import bahrs_driver
 >>> with open('flight.bin', 'rb') as file:
 ...     samples = [(device_time_us, message.specific_force)
 ...                for frame, message, device_time_us in bahrs_driver.decode(file, 'bahrs')

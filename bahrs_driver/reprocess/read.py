@@ -8,6 +8,7 @@ from pathlib import Path
 from bahrs_driver.devices.registry import DEVICES, parameter_table
 from bahrs_driver.devices.settings import CommonSettings
 from bahrs_driver.errors import ParameterError
+from bahrs_driver.process.garbage_collection import rare_collections
 from bahrs_driver.reprocess.conversion import Conversion
 from bahrs_driver.reprocess.recording import no_frames, open_recording
 from bahrs_driver.reprocess.recording_settings import recording_settings
@@ -25,8 +26,8 @@ def read(path: str | Path, sensor: str | None = None,
     Return the table of each topic that `bahrs convert` makes of a recording, but `raw`.
 
     path is a file of raw bytes, or a bag with the topic `raw`, which needs the Python packages
-    rosbags and mcap. sensor is 'bahrs' or 'titan_m', by default the one that a bag names, or
-    'bahrs'. parameters has parameters of the driver by name, such as
+    rosbags and mcap. sensor is the value of the parameter `sensor`, by default that which a bag
+    names, or that of the parameter. parameters has parameters of the driver by name, such as
     {'frame_convention': 'ned'}. start_ns is the time of the first time message of a file of bytes,
     in ns since 1970; without it, times are device time. topic is that of the raw bytes, if the bag
     has several.
@@ -46,7 +47,8 @@ def read(path: str | Path, sensor: str | None = None,
 
     conversion = Conversion(capture, settings, DEVICES[name], start_ns)
     writer = TableWriter(open_sink, WITHOUT_RAW)
-    result = conversion.run(writer, lambda _: None)
+    with rare_collections():
+        result = conversion.run(writer, lambda _: None)
     if not result.frames:
         raise no_frames(path, name)
     writer.close()

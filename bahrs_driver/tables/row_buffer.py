@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 Array = NDArray[Any]
 Block = Mapping[str, Array]         # by the names of columns
 
-BLOCK_ROWS = 16_384         # 80 s of the fastest topic of a BAHRS, in 5 MB
+BLOCK_ROWS = 16_384         # 80 s at 200 Hz, in 5 MB
 JSON_ROWS = 256             # of a table with sequences, in up to 2 MB
 _JSON = Kind.DATA, Kind.RECORDS
 _TEXTS = Kind.TEXT, *_JSON

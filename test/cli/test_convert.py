@@ -13,6 +13,7 @@ from bahrs_driver.bag.topics import Topic
 from bahrs_driver.convert import raw
 from bahrs_driver.convert.bahrs.converter import TOPICS
 from bahrs_driver.ros_layout.layouts import serialize
+from bahrs_driver.tables.table_files import SINKS
 from bahrs_driver.virtual_serial.pty_port import PtyPort
 from mcap.reader import make_reader
 import pytest
@@ -23,6 +24,7 @@ from support.devices import DEEP, Device
 from support.emulated import emissions, make_device
 from support.in_process import run_bahrs
 from support.processes import driver, running, wait_for
+from support.without_ros import run_without_ros
 
 LONG = 60.0
 S = 1_000_000_000
@@ -147,6 +149,18 @@ def test_csv_files(byte_file, tmp_path):
     with (tmp_path / 'csv' / 'integrity.csv').open() as file:
         states = json.loads(next(csv.DictReader(file))['status'])
     assert states[0]['message'] == 'safe'
+
+
+@pytest.mark.parametrize('kind', ['bag', *SINKS])
+def test_no_ros_is_needed(byte_file, tmp_path, kind):
+    """Only the check of a namespace uses it."""
+    code = 'from bahrs_driver.cli.main import main; sys.exit(main(sys.argv[1:]))'
+    run_without_ros(code, 'convert', byte_file, tmp_path / 'without', '--as', kind)
+    assert convert(byte_file, tmp_path / 'with', '--as', kind)[0] == 0
+    for folder in ('with', 'without'):
+        (tmp_path / folder / 'metadata.yaml').unlink(missing_ok=True)       # has the name
+    assert [path.read_bytes() for path in sorted((tmp_path / 'with').iterdir())] == [
+        path.read_bytes() for path in sorted((tmp_path / 'without').iterdir())]
 
 
 @pytest.mark.parametrize('plugin', StoragePlugin)

@@ -4,7 +4,6 @@
 
 from array import array
 import struct
-import subprocess
 import sys
 
 from bahrs_driver import read
@@ -22,24 +21,15 @@ from support.emulated import emissions, make_device
 from support.in_process import run_bahrs
 from support.polled import PolledDevice
 from support.shared_files import shared_file
+from support.without_ros import run_without_ros
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
-ROS = ('rclpy', 'builtin_interfaces', 'diagnostic_msgs', 'geometry_msgs', 'nav_msgs',
-       'rcl_interfaces', 'rosidl_parser', 'rpyutils', 'sensor_msgs', 'std_msgs', 'std_srvs')
 MINUTE = 470_000                # bytes of the recording
-WITHOUT_ROS = f"""
-import sys
-
-class Refuse:
-    def find_spec(self, name, path=None, target=None):
-        if name.partition('.')[0] in {ROS}:
-            raise ImportError(name)
-
-sys.meta_path.insert(0, Refuse())
+READ = """
 import bahrs_driver
 assert 'numpy' not in sys.modules
 tables = bahrs_driver.read(sys.argv[1])
-print({{topic: table.rows for topic, table in tables.items()}})
+print({topic: table.rows for topic, table in tables.items()})
 """
 
 
@@ -151,10 +141,8 @@ def test_types_and_units(tmp_path):
 def test_no_ros_is_imported(tmp_path, make):
     """Importing the package imports no numpy either."""
     source = make(tmp_path / 'source')
-    done = subprocess.run([sys.executable, '-c', WITHOUT_ROS, source], capture_output=True,
-                          text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.strip() == str({topic: table.rows for topic, table in read(source).items()})
+    expected = {topic: table.rows for topic, table in read(source).items()}
+    assert run_without_ros(READ, source).strip() == str(expected)
 
 
 def test_damage_is_noted(tmp_path):
