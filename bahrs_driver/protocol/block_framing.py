@@ -41,7 +41,7 @@ class _Candidates(NamedTuple):
     ends: Array
     headers: Array          # index in the list of headers
     rows: Array             # index in the rows of their size
-    rows_by_size: Mapping[int, Array]
+    rows_by_size: Mapping[int, Array]       # frames as elements, which are copied as a whole
 
 
 class BlockFramer:
@@ -56,6 +56,7 @@ class BlockFramer:
         self._keys = np.array([key for key, _, _ in sizes], np.int64)
         self._sizes = np.array([size for _, size, _ in sizes], np.int64)
         self._headers = [header for _, _, header in sizes]
+        assert frame_format.header_size < 8 <= self._sizes.min()
 
     def feed(self, block: bytes) -> Iterator[FrameBlock | list[Frame]]:
         """Yield the frames that a block completes; those of a run are in order of headers."""
@@ -91,24 +92,18 @@ class BlockFramer:
             chosen = np.flatnonzero((sizes == size) & (starts + size <= len(data)))
             if not len(chosen):
                 continue
-            matrix = np.lib.stride_tricks.sliding_window_view(data, size)[starts[chosen]]
-            rows_by_size[int(size)] = matrix
+            frames = _windows(data, f'V{size}')[starts[chosen]]
+            rows_by_size[int(size)] = frames
             rows[chosen] = np.arange(len(chosen))
-            intact[chosen] = _passes(matrix, checksum)
+            intact[chosen] = _passes(_as_bytes(frames), checksum)
         return _Candidates(starts[intact], (starts + sizes)[intact], headers[intact],
                            rows[intact], rows_by_size)
 
     def _find_headers(self, data: Array) -> tuple[Array, Array]:
         """Return where known headers begin, and which ones they are."""
-        marker, size = self._format.marker, self._format.header_size
-        count = max(0, len(data) - size + 1)
-        at_marker = np.ones(count, bool)
-        for place, byte in enumerate(marker):
-            at_marker &= data[place:place + count] == byte
-        starts = np.flatnonzero(at_marker)
-        keys = np.zeros(len(starts), np.int64)
-        for place in range(size):
-            keys |= data[starts + place].astype(np.int64) << 8 * place
+        words = _windows(data, '<i8')           # there is no shorter frame
+        starts = np.flatnonzero(data[:len(words)] == self._format.marker[0])
+        keys = words[starts] & (256 ** self._format.header_size - 1)
         headers = np.searchsorted(self._keys, keys).clip(max=len(self._keys) - 1)
         known = self._keys[headers] == keys
         return starts[known], headers[known]
@@ -118,8 +113,19 @@ class BlockFramer:
         headers, starts, rows = found.headers[chain], found.starts[chain], found.rows[chain]
         for header in np.unique(headers):
             chosen = headers == header
-            yield FrameBlock(self._headers[header], starts[chosen] + origin,
-                             found.rows_by_size[int(self._sizes[header])][rows[chosen]])
+            frames = found.rows_by_size[int(self._sizes[header])][rows[chosen]]
+            yield FrameBlock(self._headers[header], starts[chosen] + origin, _as_bytes(frames))
+
+
+def _windows(data: Array, kind: str) -> Array:
+    """Return the elements of a type that begin at each byte of data."""
+    item = np.dtype(kind)
+    return np.ndarray((max(0, len(data) - item.itemsize + 1),), item, data, 0, (1,))
+
+
+def _as_bytes(frames: Array) -> Array:
+    """Return frames of one size as rows of bytes."""
+    return frames.view(np.uint8).reshape(len(frames), -1)
 
 
 def _chain_ends(found: _Candidates) -> Array:
@@ -138,7 +144,7 @@ def _passes(rows: Array, checksum: Checksum) -> Array:
     words = np.ascontiguousarray(rows[:, :-CHECKSUM_SIZE].view('<u2').T)
     computed = np.full(len(rows), constant, np.uint32)
     for table, word in zip(tables, words):
-        computed ^= table[word]
+        computed ^= np.take(table, word)
     return np.asarray(computed == np.ascontiguousarray(
         rows[:, -CHECKSUM_SIZE:]).view('<u4')[:, 0])
 

@@ -41,7 +41,8 @@ def analyze_clock(recording: Recording) -> ClockAnalysis | None:
     reads, axis = recording.reads, recording.time_axis
     if reads is None or len(reads.ros_ns) < 2:
         return None
-    read = np.searchsorted(reads.received, recording.inertial_end)  # the one with the last byte
+    end = recording.inertial_offset + recording.inertial_size
+    read = np.searchsorted(reads.received, end)         # the one with the last byte
     known = ~np.isnan(axis.device_us) & (read < len(reads.ros_ns))
     if not known.any():
         return None
@@ -49,8 +50,7 @@ def analyze_clock(recording: Recording) -> ClockAnalysis | None:
     host = reads.ros_ns if reads.raw_ns is None else reads.raw_ns
     arrival = (host[read] - host[0]) * S_PER_NS
     # Bytes after a frame in the same read were transmitted after it.
-    transmission = (reads.received[read] - recording.inertial_end[known]) \
-        * reads.byte_ns * S_PER_NS
+    transmission = (reads.received[read] - end[known]) * reads.byte_ns * S_PER_NS
     lag = arrival - seconds
     steps = _find_steps(seconds, lag)
     for index, size in steps:

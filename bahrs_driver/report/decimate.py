@@ -36,7 +36,10 @@ def envelope(seconds: Array, values: Array, buckets: int = BUCKETS) -> tuple[Arr
 
 def bucket_starts(seconds: Array, length: float) -> Array:
     """Return the index of the first sample in each interval of a length in s that has any."""
-    return np.flatnonzero(np.diff((seconds / length).astype(np.int64), prepend=-1))
+    interval = (seconds / length).astype(np.int64)
+    first = np.ones(len(interval), bool)
+    np.not_equal(interval[1:], interval[:-1], out=first[1:])
+    return np.flatnonzero(first)
 
 
 def angle_envelope(seconds: Array, degrees: Array, buckets: int = BUCKETS) -> tuple[Array, Array]:

@@ -12,7 +12,7 @@ from typing import Any
 from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.devices.recording_format import Limits, RecordingFormat
 from bahrs_driver.pipeline import PipelineCounters
-from bahrs_driver.protocol.batch import Array, Batch
+from bahrs_driver.protocol.batch import Array, Batch, Columns
 from bahrs_driver.protocol.block_framing import BlockFramer, FrameBlock
 from bahrs_driver.protocol.framing import FramingCounters
 from bahrs_driver.protocol.integrity import Integrity
@@ -21,9 +21,9 @@ from bahrs_driver.report.time_axis import make_time_axis, TimeAxis
 from bahrs_driver.units import S_PER_NS
 import numpy as np
 
-BLOCK = 4_194_304       # bytes that are searched for frames at a time
+BLOCK = 1_048_576       # bytes that are searched for frames at a time
 _NOT_VALUES = {'offset', 'sequence', 'health', 'device_time_us'}
-_AVAILABLE = [state for state in Integrity if state.available]
+_AVAILABLE = np.array([state.available for state in sorted(Integrity)])
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Signals:
         names = (field, *(f'{field}_{axis}' for axis in 'xyz'))
         health = self.health[:, [name in names for name in self.names]]
         values = self.values[field].copy()
-        values[~np.isin(health, _AVAILABLE).reshape(values.shape)] = np.nan
+        values[~_AVAILABLE[health].reshape(values.shape)] = np.nan
         return values
 
 
@@ -75,7 +75,8 @@ class Recording:
     accuracy: Signals
     pulses: Array                       # times of sync pulses, s
     reads: Reads | None
-    inertial_end: Array                 # offset of the byte after each inertial frame
+    inertial_offset: Array              # of the first byte of each inertial frame
+    inertial_size: int                  # bytes of each inertial frame
     openings: int                       # times that the port was opened
     notes: list[str]
 
@@ -89,7 +90,7 @@ class _FrameReader:
     """Collects the frames of the chunks of a capture, many at a time."""
 
     def __init__(self, recording_format: RecordingFormat) -> None:
-        self.batch = Batch(recording_format.layouts)
+        self.batch = Batch(recording_format.layouts, np.float32)
         self._framer = BlockFramer(recording_format.frame_format)
         self.counters = PipelineCounters(self._framer.framer.counters)
         self._chunks: list[bytes] = []
@@ -152,14 +153,14 @@ def _recording(capture: Capture, batch: Batch, counters: PipelineCounters,
     counts, versions = _count_frames(batch, recording_format)
     roles, period = recording_format.roles, recording_format.roles.sample_period * S_PER_NS
     samples = batch.take(roles.sample)
-    axis = make_time_axis(samples['offset'], samples['sequence'], batch.take(roles.sample_time),
-                          period)
+    offset = samples['offset']
+    axis = make_time_axis(offset, samples['sequence'], batch.take(roles.sample_time), period)
 
-    def times(messages: Array) -> Array:
-        if not len(samples):
-            return np.arange(len(messages)) * period * roles.samples_per_navigation
+    def times(messages: Columns) -> Array:
+        if not len(offset):
+            return np.arange(len(messages['offset'])) * period * roles.samples_per_navigation
         # Those of the samples before; clock.navigation counts to the same ones, 150 times slower.
-        latest = np.searchsorted(samples['offset'], messages['offset']).clip(1) - 1
+        latest = np.searchsorted(offset, messages['offset']).clip(1) - 1
         return np.asarray(axis.seconds[latest])
 
     def signals(message: type[Message], rate: float = math.nan) -> Signals:
@@ -174,7 +175,7 @@ def _recording(capture: Capture, batch: Batch, counters: PipelineCounters,
         inertial=_signals(roles.sample, axis.seconds, samples, 1 / period),
         navigation=signals(roles.navigation, 1 / period / roles.samples_per_navigation),
         accuracy=signals(recording_format.accuracy), pulses=times(batch.take(roles.sync_pulse)),
-        reads=reads, inertial_end=samples['offset'] + recording_format.sample_size(
+        reads=reads, inertial_offset=offset, inertial_size=recording_format.sample_size(
             max(versions, key=versions.__getitem__, default=None)),
         openings=counters.streams, notes=capture.notes)
 
@@ -189,19 +190,16 @@ def _count_frames(batch: Batch, recording_format: RecordingFormat
     return counts, versions
 
 
-def _signals(message: type[Message], seconds: Array, messages: Array, rate: float) -> Signals:
-    values = {name: messages[name].astype(np.float32) for name in messages.dtype.names or ()
-              if name not in _NOT_VALUES}
-    health = messages['health'].copy() if message.SIGNALS else \
-        np.empty((len(messages), 0), np.uint8)
+def _signals(message: type[Message], seconds: Array, messages: Columns, rate: float) -> Signals:
+    values = {name: column for name, column in messages.items() if name not in _NOT_VALUES}
+    health = messages['health'] if message.SIGNALS else np.empty((len(seconds), 0), np.uint8)
     return Signals(seconds, values, health, message.SIGNALS, rate)
 
 
 def _last(message: type[Message], batch: Batch) -> Message | None:
     """Return the last message of a type; None if there is none."""
-    messages = batch.take(message)
-    if not len(messages):
+    offset, *fields = batch.take(message).values()
+    if not len(offset):
         return None
-    _, *fields = messages[-1].item()
-    return message(*(tuple(field.tolist()) if isinstance(field, np.ndarray) else field
-                     for field in fields))
+    values = [column[-1:].tolist()[0] for column in fields]
+    return message(*(tuple(value) if isinstance(value, list) else value for value in values))

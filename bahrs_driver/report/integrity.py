@@ -44,14 +44,13 @@ def find_intervals(seconds: Array, held: Array, max_step: float = MAX_STEP) -> l
     seconds are the times of samples, and held is True for those with the state. A step in time
     above max_step, in seconds, ends an interval.
     """
-    samples = np.flatnonzero(held)
-    if not len(samples):
+    if not held.any():
         return []
     steps = np.diff(seconds)
-    period = float(np.median(steps)) if len(steps) else 0.0
-    gaps = np.flatnonzero((np.diff(samples) > 1) | (np.diff(seconds[samples]) > max_step))
-    begins = seconds[samples[np.append(0, gaps + 1)]]
-    ends = seconds[samples[np.append(gaps, -1)]]
+    continued = held[1:] & held[:-1] & (steps <= max_step)
+    period = float(np.median(steps, overwrite_input=True)) if len(steps) else 0.0
+    begins = seconds[held & ~np.append(False, continued)]
+    ends = seconds[held & ~np.append(continued, False)]
     return [Interval(begin, end - begin + period)
             for begin, end in zip(begins.tolist(), ends.tolist())]
 

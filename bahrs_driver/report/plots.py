@@ -43,7 +43,7 @@ def integrity_bands(recording: Recording) -> Figure:
     axes.set_ylim(len(rows) - 0.45, -0.55)
     axes.grid(False)
     axes.tick_params(axis='y', length=0)
-    shown = {Integrity.SAFE}.union(*(states.tolist() for _, _, states in rows))
+    shown = {Integrity.SAFE}.union(*(np.unique(states).tolist() for _, _, states in rows))
     axes.legend(handles=[Patch(color=colour, label=state.words)
                          for state, colour in BAND_COLOURS.items() if state in shown],
                 loc='lower right', bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False)

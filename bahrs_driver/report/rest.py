@@ -10,6 +10,7 @@ from bahrs_driver.report.gather import Recording
 import numpy as np
 
 WINDOW = 1.0                    # s
+WINDOWS = 1000                  # that are summed up at a time
 MAX_FORCE_STD = 0.15            # m/s^2, within a window
 MAX_FORCE_CHANGE = 0.1          # m/s^2, of the mean from one window to the next
 MAX_RATE = 0.01                 # rad/s, mean and standard deviation within a window
@@ -78,7 +79,13 @@ def _climbs(recording: Recording) -> Array:
 
 def _statistics(values: Array, starts: Array, counts: Array) -> tuple[Array, Array]:
     """Return mean and standard deviation of each component in each window."""
-    values = values.astype(np.float64)
-    mean = np.add.reduceat(values, starts) / counts
-    square = np.add.reduceat(values ** 2, starts) / counts
+    mean, square = np.empty((len(starts), 3)), np.empty((len(starts), 3))
+    for first in range(0, len(starts), WINDOWS):        # copies of all samples are too large
+        windows = slice(first, first + WINDOWS)
+        begin, end = starts[first], int(starts[windows][-1] + counts[windows][-1, 0])
+        samples = values[begin:end].astype(np.float64)
+        mean[windows] = np.add.reduceat(samples, starts[windows] - begin)
+        square[windows] = np.add.reduceat(samples ** 2, starts[windows] - begin)
+    mean /= counts
+    square /= counts
     return mean, np.sqrt(np.maximum(square - mean ** 2, 0.0))

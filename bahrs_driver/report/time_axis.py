@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
-from bahrs_driver.protocol.batch import Array
+from bahrs_driver.protocol.batch import Array, Columns
 from bahrs_driver.units import COUNTER_MODULUS, S_PER_US
 import numpy as np
 
@@ -63,17 +63,19 @@ class _Anchors(NamedTuple):
         return _Anchors(*(column[mask] for column in self))
 
 
-def make_time_axis(offset: Array, sequence: Array, times: Array,
+def make_time_axis(offset: Array, sequence: Array, times: Columns,
                    nominal_period: float) -> TimeAxis:
     """
     Compute the times of samples, whose nominal period is in seconds.
 
-    offset and sequence are those of the inertial messages, times the inertial time messages.
+    offset and sequence, uint8, are those of the inertial messages, times the columns of the
+    inertial time messages.
     """
     if not len(offset):
         return TimeAxis(np.empty(0), np.empty(0), None, None, [], 0, 0)
-    steps = np.diff(sequence.astype(np.int64)) % COUNTER_MODULUS
-    counts = np.concatenate(([0], np.cumsum(steps)))
+    steps = np.diff(sequence)           # the counters and their differences are modulo 256
+    counts = np.zeros(len(offset), np.int64)
+    np.cumsum(steps, out=counts[1:])
     anchors, ahead = _anchors(offset, sequence, counts, times)
     period = _measure_period(anchors, nominal_period)
     outlier = _outliers(anchors, period)
@@ -87,16 +89,15 @@ def make_time_axis(offset: Array, sequence: Array, times: Array,
 
 
 def _anchors(offset: Array, sequence: Array, counts: Array,
-             times: Array) -> tuple[_Anchors, int | None]:
+             times: Columns) -> tuple[_Anchors, int | None]:
     """Return the anchors, and by how many samples time messages are ahead."""
-    times = times[(times['reference_sequence'] != 0) | (times['device_time_us'] != 0)]
     latest = np.searchsorted(offset, times['offset']) - 1
-    times, latest = times[latest >= 0], latest[latest >= 0]
-    seconds = times['device_time_us'] * S_PER_US
-    if not len(times):
+    usable = ((times['reference_sequence'] != 0) | (times['device_time_us'] != 0)) & (latest >= 0)
+    latest, seconds = latest[usable], times['device_time_us'][usable] * S_PER_US
+    if not len(latest):
         return _Anchors(latest, latest, seconds), None
     half = COUNTER_MODULUS // 2
-    ahead = (times['reference_sequence'].astype(np.int64) - sequence[latest] + half) \
+    ahead = (times['reference_sequence'][usable].astype(np.int64) - sequence[latest] + half) \
         % COUNTER_MODULUS - half
     usual = int(np.median(ahead))
     return _Anchors(latest, counts[latest] + ahead - (usual == 1), seconds), usual
@@ -157,10 +158,13 @@ def _counter_gaps(steps: Array, breaks: list[Break], period: float) -> list[Brea
 def _interpolate(counts: Array, steps: Array, anchors: _Anchors, breaks: list[Break],
                  period: float) -> tuple[Array, Array]:
     """Return the time of each sample since the first in s, and its device time in us."""
-    pauses = np.zeros(len(counts))      # s before each sample that its count does not explain
-    for found in breaks:
-        pauses[found.index] = found.seconds - steps[found.index - 1] * period
-    seconds = counts * period + np.cumsum(pauses)
+    # There may be millions of samples: arrays are changed in place.
+    seconds = counts * period
+    if breaks:
+        pauses = np.zeros(len(counts))  # s before each sample that its count does not explain
+        for found in breaks:
+            pauses[found.index] = found.seconds - steps[found.index - 1] * period
+        seconds += np.cumsum(pauses, out=pauses)
     device_us = np.full(len(counts), np.nan)
     edges = [0, *sorted(found.index for found in breaks), len(counts)]
     for begin, end in zip(edges, edges[1:]):
@@ -168,7 +172,11 @@ def _interpolate(counts: Array, steps: Array, anchors: _Anchors, breaks: list[Br
         if len(latest):
             # The clock's error is interpolated between anchors, and constant outside of them.
             here = counts[begin:end]
-            device = here * period + np.interp(here, known, time - known * period)
-            device_us[begin:end] = device / S_PER_US
-            seconds[begin:end] = seconds[begin] + device - device[0]
-    return seconds - seconds[0], device_us
+            device = np.interp(here, known, time - known * period)
+            device += here * period
+            np.divide(device, S_PER_US, out=device_us[begin:end])
+            first = device[0]
+            device += seconds[begin]
+            np.subtract(device, first, out=seconds[begin:end])
+    seconds -= seconds[0]
+    return seconds, device_us

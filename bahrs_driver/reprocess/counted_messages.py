@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 from bahrs_driver.devices.recording_format import RecordingFormat
-from bahrs_driver.protocol.batch import column
+from bahrs_driver.protocol.batch import block_column
 from bahrs_driver.protocol.block_framing import BlockFramer, FrameBlock
 from bahrs_driver.protocol.framing import Frame
 
@@ -67,9 +67,7 @@ class CountedMessages:
             return ()
         messages: Iterable[Any]
         if header in self._counted:
-            payloads = rows[:, self._header_size:self._header_size + layout.size].tobytes()
-            messages = map(
-                Counter, column(layout, payloads, len(offsets), 'sequence').tolist())
+            messages = map(Counter, block_column(layout, block, 'sequence').tolist())
         else:
             messages = [layout.decode(row.tobytes(), self._header_size) for row in rows]
         return [CountedMessage(offset, layout.message, message)

@@ -25,7 +25,7 @@ def count(data: bytes) -> int:
                 batch.add(found)
     batch.add(framer.flush())
     kinds = {codec.layouts_by_header[header].message for header in batch.counts()}
-    return sum(len(batch.take(kind)) for kind in kinds)
+    return sum(len(batch.take(kind)['offset']) for kind in kinds)
 
 
 if __name__ == '__main__':
