@@ -2,13 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write topics into a bag."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from bahrs_driver.bag.bag_writer import BagWriter
+from bahrs_driver.bag.mcap_chunk import MessageRecord
 from bahrs_driver.bag.topics import qos_profile, Topic
+from bahrs_driver.convert.outgoing import Values
 from bahrs_driver.reprocess.topic_writer import LoggedValues
-from bahrs_driver.ros_layout.layouts import serialize, type_name
+from bahrs_driver.ros_layout.layouts import LAYOUTS
 
 QUEUE_DEPTH = 100               # of a publisher that plays the bag
 
@@ -20,24 +22,30 @@ class BagTopicWriter:
         """Make a bag whose files have a name; WriteError if that is not possible."""
         self._bag = BagWriter(folder, name)
         self._prefix = f"/{namespace.strip('/')}/" if namespace.strip('/') else '/'
-        self._names: dict[str, str] = {}        # absolute, by topic
+        # By topic: its absolute name, and the function that serializes its values.
+        self._topics: dict[str, tuple[str, Callable[[Values], bytes]]] = {}
 
     def begin(self, topics: Mapping[str, type], latched: set[str]) -> None:
         """Write names, types and quality of service of all topics."""
         volatile = qos_profile('keep_last', QUEUE_DEPTH, 'reliable', 'volatile')
         transient = qos_profile('keep_last', 1, 'reliable', 'transient_local')
-        self._names = {topic: topic if topic.startswith('/') else self._prefix + topic
-                       for topic in topics}
+        for topic, kind in topics.items():
+            name = topic if topic.startswith('/') else self._prefix + topic
+            self._topics[topic] = name, LAYOUTS[kind].serialize
         self._bag.add_topics(
-            Topic(self._names[topic], type_name(kind),
+            Topic(self._topics[topic][0], LAYOUTS[kind].name,
                   (transient if topic in latched else volatile,))
             for topic, kind in topics.items())
 
     def write(self, messages: Sequence[LoggedValues]) -> None:
         """Store messages in the order of their log times."""
-        names = self._names
-        self._bag.write((time_ns, names[topic], serialize(values), time_ns)
-                        for time_ns, (topic, values) in messages)
+        self._bag.write(self._records(messages))
+
+    def _records(self, messages: Sequence[LoggedValues]) -> Iterator[MessageRecord]:
+        topics = self._topics
+        for time_ns, (topic, values) in messages:
+            name, serialize = topics[topic]
+            yield time_ns, name, serialize(values), time_ns
 
     def close(self) -> None:
         """Complete the bag."""

@@ -69,6 +69,7 @@ class Conversion:
         clock = clock or parts.clock
         pipeline = parts.pipeline(clock)
         topics = self._topics(parts)
+        parts.converter.select(topics)
         writer.begin(topics, {topic for topic in topics if topic in self._spec.latched()})
         output, log_clock = OrderedWriter(writer), LogClock()
         second_pass = _SecondPass(parts, output, ReplayDiagnostics(

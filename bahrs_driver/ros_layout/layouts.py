@@ -9,39 +9,40 @@ from bahrs_driver.ros_layout.rows import (
     array, data, HEADER, members, number, records, text, time,
 )
 from bahrs_driver.ros_layout.sequence_layout import SequenceLayout
+from bahrs_driver.ros_layout.stamped_layout import StampedLayout
 
 _POSE = 'm^2, m rad, rad^2'
 _TWIST = '(m/s)^2, m rad/s^2, (rad/s)^2'
 
 LAYOUTS: dict[type, MessageLayout] = {
-    values.Imu: MessageLayout(
-        'sensor_msgs/msg/Imu', *HEADER,
+    values.Imu: StampedLayout(
+        'sensor_msgs/msg/Imu',
         members('orientation', 'xyzw'), array('orientation_covariance', 9, 'rad^2'),
         members('angular_velocity', 'xyz', 'rad/s'),
         array('angular_velocity_covariance', 9, '(rad/s)^2'),
         members('linear_acceleration', 'xyz', 'm/s^2'),
         array('linear_acceleration_covariance', 9, '(m/s^2)^2')),
-    values.MagneticField: MessageLayout(
-        'sensor_msgs/msg/MagneticField', *HEADER,
+    values.MagneticField: StampedLayout(
+        'sensor_msgs/msg/MagneticField',
         members('magnetic_field', 'xyz', 'T'), array('magnetic_field_covariance', 9, 'T^2')),
-    values.FluidPressure: MessageLayout(
-        'sensor_msgs/msg/FluidPressure', *HEADER,
+    values.FluidPressure: StampedLayout(
+        'sensor_msgs/msg/FluidPressure',
         number('fluid_pressure', 'd', 'Pa'), number('variance', 'd', 'Pa^2')),
-    values.Temperature: MessageLayout(
-        'sensor_msgs/msg/Temperature', *HEADER,
+    values.Temperature: StampedLayout(
+        'sensor_msgs/msg/Temperature',
         number('temperature', 'd', 'degC'), number('variance', 'd', 'degC^2')),
-    values.NavSatFix: MessageLayout(
-        'sensor_msgs/msg/NavSatFix', *HEADER,
+    values.NavSatFix: StampedLayout(
+        'sensor_msgs/msg/NavSatFix',
         number('status.status', 'b'), number('status.service', 'H'),
         number('latitude', 'd', 'deg'), number('longitude', 'd', 'deg'),
         number('altitude', 'd', 'm'),
         array('position_covariance', 9, 'm^2'), number('position_covariance_type', 'B')),
-    values.PoseWithCovarianceStamped: MessageLayout(
-        'geometry_msgs/msg/PoseWithCovarianceStamped', *HEADER,
+    values.PoseWithCovarianceStamped: StampedLayout(
+        'geometry_msgs/msg/PoseWithCovarianceStamped',
         members('pose.pose.position', 'xyz', 'm'), members('pose.pose.orientation', 'xyzw'),
         array('pose.covariance', 36, _POSE)),
-    values.TwistWithCovarianceStamped: MessageLayout(
-        'geometry_msgs/msg/TwistWithCovarianceStamped', *HEADER,
+    values.TwistWithCovarianceStamped: StampedLayout(
+        'geometry_msgs/msg/TwistWithCovarianceStamped',
         members('twist.twist.linear', 'xyz', 'm/s'),
         members('twist.twist.angular', 'xyz', 'rad/s'),
         array('twist.covariance', 36, _TWIST)),
@@ -54,8 +55,8 @@ LAYOUTS: dict[type, MessageLayout] = {
         array('twist.covariance', 36, _TWIST)),
     values.TimeReference: MessageLayout(
         'sensor_msgs/msg/TimeReference', *HEADER, time('time_ref'), text('source')),
-    values.Vector3Stamped: MessageLayout(
-        'geometry_msgs/msg/Vector3Stamped', *HEADER, members('vector', 'xyz', 'rad')),
+    values.Vector3Stamped: StampedLayout(
+        'geometry_msgs/msg/Vector3Stamped', members('vector', 'xyz', 'rad')),
     values.Float64: MessageLayout('std_msgs/msg/Float64', number('data', 'd')),
     values.TFMessage: SequenceLayout(
         'tf2_msgs/msg/TFMessage',

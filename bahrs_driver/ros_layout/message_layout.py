@@ -32,12 +32,7 @@ class MessageLayout:
         """Take the name of the type, such as sensor_msgs/msg/Imu, and its rows."""
         self.name = name
         self.rows = rows
-        # Rows of one kind that follow each other, as a part of the values.
-        self._parts: list[tuple[Kind, slice]] = []
-        end = 0
-        for kind, group in groupby(row.kind for row in rows):
-            begin, end = end, end + len(list(group))
-            self._parts.append((kind, slice(begin, end)))
+        self._parts = parts_of(rows)
         self._packers: dict[tuple[int, ...], Callable[..., bytes]] = {}
 
     @cached_property
@@ -56,16 +51,19 @@ class MessageLayout:
                 arguments += values[part]
             elif kind is _TEXT:
                 for value in values[part]:
-                    data = _text_bytes(value)
+                    data = text_bytes(value)
                     arguments += len(data), data
                     sizes += (len(data),)
             else:
                 for value in values[part]:
                     arguments += divmod(value, NS_PER_S)
-        return (self._packers.get(sizes) or self._make_packer(sizes))(*arguments)
+        return self.packer(sizes)(*arguments)
+
+    def packer(self, sizes: tuple[int, ...]) -> Callable[..., bytes]:
+        """Return the function that packs messages whose strings have these sizes."""
+        return self._packers.get(sizes) or self._make_packer(sizes)
 
     def _make_packer(self, sizes: tuple[int, ...]) -> Callable[..., bytes]:
-        """Return the function that packs messages whose strings have these sizes."""
         texts = iter(sizes)
         codes, position = f'<{len(ENCAPSULATION)}s', 0
         for row in self.rows:
@@ -75,6 +73,15 @@ class MessageLayout:
                 codes += 'x' * padding + f'{count}{code}'
                 position += padding + size * count
         return self._packers.setdefault(sizes, struct.Struct(codes).pack)
+
+
+def parts_of(rows: tuple[Row, ...]) -> list[tuple[Kind, slice]]:
+    """Return the rows of one kind that follow each other, as parts of the values."""
+    parts, end = [], 0
+    for kind, group in groupby(row.kind for row in rows):
+        begin, end = end, end + len(list(group))
+        parts.append((kind, slice(begin, end)))
+    return parts
 
 
 def _codes(row: Row, texts: Iterator[int]) -> Iterator[tuple[str, int]]:
@@ -88,5 +95,6 @@ def _codes(row: Row, texts: Iterator[int]) -> Iterator[tuple[str, int]]:
 
 
 @lru_cache(maxsize=64)
-def _text_bytes(value: str) -> bytes:
+def text_bytes(value: str) -> bytes:
+    """Return the bytes of a string, which end in a zero."""
     return value.encode() + b'\0'
