@@ -4,8 +4,8 @@
 ROS 2 driver for serial inertial sensors of unmanned aircraft.
 
 The names in `__all__` are the public interface for scripts. They need no ROS, and only read() and
-its tables need numpy; each is imported when it is first used. The messages of a device are
-dataclasses, in SI units, with a NAME: those of a DEVICE are in bahrs_driver.protocol.DEVICE.messages.
+its tables need numpy; each is imported when it is first used. The messages of a DEVICE are in
+bahrs_driver.protocol.DEVICE.messages: dataclasses, in SI units, with a NAME.
 
 Read a recording, a file of bytes or a bag with the topic `raw`, as tables: those that `bahrs
 convert` writes. A table has an array for each field of the topic's messages:
