@@ -1,7 +1,8 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write the tables of the README from the code that they describe."""
+"""Write the tables of README and docs from the code that they describe."""
 
+from collections import defaultdict
 from collections.abc import Iterable
 from pathlib import Path
 import re
@@ -14,10 +15,15 @@ from bahrs_driver.diagnostics.publishing_task import PublishingTask
 from bahrs_driver.diagnostics.task import DiagnosticTask
 from bahrs_driver.diagnostics.time_task import TimeTask
 from bahrs_driver.node.launch_arguments import ARGUMENTS
+from bahrs_driver.ros_layout.layouts import LAYOUTS
+from bahrs_driver.ros_layout.rows import HEADER, Row
 from bahrs_driver.settings.parameter import Parameter
+from bahrs_driver.tables.column import row_columns
 from bahrs_driver.transport.link import Link
 
-README = Path(__file__).resolve().parents[1] / 'README.md'
+ROOT = Path(__file__).resolve().parents[1]
+README = ROOT / 'README.md'
+PAGES = README, ROOT / 'docs' / 'tables.md'      # pages with generated tables
 LEVELS = ('OK', 'WARN', 'ERROR', 'STALE')
 # What stands in the messages of the table for each field.
 EXAMPLES: dict[str, object] = {
@@ -89,10 +95,36 @@ def launch_table() -> str:
     return '\n'.join(rows)
 
 
+def columns_table() -> str:
+    """Return the columns of the tables of all topics, and their units, as a Markdown table."""
+    topics = defaultdict(list)
+    for topic, kind in all_topics().items():
+        topics[kind].append(f'`{topic}`')
+    rows = ['| topics | columns beside time and header | unit |', '|---|---|---|']
+    for kind, names in topics.items():
+        shown = ', '.join(names)
+        for row in LAYOUTS[kind].rows:
+            if row not in HEADER:
+                rows.append(f'| {shown} | {_columns(row)} | {_units(row)} |')
+                shown = ''
+    return '\n'.join(rows)
+
+
+def _columns(row: Row) -> str:
+    first, *others = [column.name for column in row_columns(row)]
+    if len(others) > len('xyzw'):
+        return f"`{first}` to `.{others[-1].rpartition('.')[2]}`"
+    return ', '.join([f'`{first}`', *(f"`.{name.rpartition('.')[2]}`" for name in others)])
+
+
+def _units(row: Row) -> str:
+    return ', '.join(dict.fromkeys(column.unit for column in row_columns(row)))
+
+
 def with_tables(text: str) -> str:
-    """Return the README with its tables generated again."""
+    """Return a page with its tables generated again."""
     tables = {'parameters': parameters_table, 'diagnostics': diagnostics_table,
-              'launch': launch_table}
+              'launch': launch_table, 'columns': columns_table}
     pattern = re.compile(rf'(<!-- ({"|".join(tables)}) -->\n).*?(<!-- end -->)', re.DOTALL)
     return pattern.sub(lambda match: match[1] + tables[match[2]]() + '\n' + match[3], text)
 
@@ -120,10 +152,10 @@ def _valid(parameter: Parameter) -> str:
 
 
 def main() -> int:
-    """Write the README; 1 if it lacks a topic."""
-    text = README.read_text()
-    README.write_text(with_tables(text))
-    missing = missing_topics(text)
+    """Write the pages; 1 if the README lacks a topic."""
+    for page in PAGES:
+        page.write_text(with_tables(page.read_text()))
+    missing = missing_topics(README.read_text())
     if missing:
         print(f'the README lacks: {", ".join(missing)}', file=sys.stderr)
     return bool(missing)

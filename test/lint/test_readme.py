@@ -11,14 +11,15 @@ sys.path.insert(0, str(ROOT / 'tools'))
 from bahrs_driver.devices.registry import DEVICES  # noqa: E402
 from parameter_files import FOLDER, parameter_file  # noqa: E402
 import pytest  # noqa: E402
-from readme_tables import missing_topics, README, with_tables  # noqa: E402
+from readme_tables import missing_topics, PAGES, README, with_tables  # noqa: E402
 
 
 def test_tables_are_those_of_the_code():
     """`make docs` writes them."""
-    text = README.read_text()
+    text = ''.join(page.read_text() for page in PAGES)
     assert with_tables(text) == text
     assert '| `port` |' in text and '| a silent device | Link | ERROR |' in text
+    assert '| `angular_velocity.x`, `.y`, `.z` | rad/s |' in text
 
 
 def test_every_topic_is_named_with_its_type():
