@@ -182,7 +182,7 @@ def _column(row: Row, raw: Array) -> Array:
         values[:] = [row.decode(bytes(item)) for item in raw]
         return values
     if raw.dtype.itemsize <= _LOOKED_UP:
-        return _look_up(_every_value(row), raw.astype(f'u{raw.dtype.itemsize}'))
+        return _table_of_values(row).decode(raw.astype(f'u{raw.dtype.itemsize}'))
     different, inverse = np.unique(raw, return_inverse=True)
     return _look_up(_decoded(row, different), inverse.reshape(raw.shape))
 
@@ -195,12 +195,30 @@ def _look_up(values: Array, indices: Array) -> Array:
     return np.take(rows, indices).view(values.dtype).reshape(-1, values.shape[1])
 
 
+class _TableOfValues:
+    """The values of a small field, by its bits as an unsigned number; each is decoded once."""
+
+    def __init__(self, row: Row) -> None:
+        self._row = row
+        self._kind = np.dtype(row.code)
+        sample = _decoded(row, np.zeros(1, self._kind))
+        count = 256 ** self._kind.itemsize
+        self._values = np.zeros((count, *sample.shape[1:]), sample.dtype)
+        self._known = np.zeros(count, bool)
+
+    def decode(self, bits: Array) -> Array:
+        """Decode values, given by their bits."""
+        known = np.take(self._known, bits)
+        if not known.all():
+            new = np.unique(bits[~known])
+            self._values[new] = _decoded(self._row, new.view(self._kind))
+            self._known[new] = True
+        return _look_up(self._values, bits)
+
+
 @lru_cache(maxsize=256)
-def _every_value(row: Row) -> Array:
-    """Decode all values of a small field, indexed by their bits as an unsigned number."""
-    kind = np.dtype(row.code)
-    bits = np.arange(256 ** kind.itemsize, dtype=f'u{kind.itemsize}')
-    return _decoded(row, bits.view(kind))
+def _table_of_values(row: Row) -> _TableOfValues:
+    return _TableOfValues(row)
 
 
 def _decoded(row: Row, values: Array) -> Array:

@@ -37,12 +37,17 @@ class Signals:
     rate: float = math.nan              # Hz, nominal
 
     def available(self, field: str) -> Array:
-        """Return the values of a field, NaN where the device reports them as not available."""
+        """
+        Return the values of a field, NaN where the device reports them as not available.
+
+        The array is that of `values` if all are available: do not change it.
+        """
         names = (field, *(f'{field}_{axis}' for axis in 'xyz'))
-        health = self.health[:, [name in names for name in self.names]]
-        values = self.values[field].copy()
-        values[~_AVAILABLE[health].reshape(values.shape)] = np.nan
-        return values
+        values = self.values[field]
+        available = _AVAILABLE[self.health[:, [name in names for name in self.names]]]
+        if available.all():
+            return values
+        return np.where(available.reshape(values.shape), values, np.float32(np.nan))
 
 
 @dataclass(frozen=True)

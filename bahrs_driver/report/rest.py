@@ -32,7 +32,7 @@ NO_REST = Rest(0, 0, 0.0)
 def find_rest(recording: Recording) -> Rest:
     """Return the longest rest in a recording, of at most MAX_SAMPLES."""
     signals = recording.inertial
-    force = signals.available('specific_force')
+    force = signals.available('specific_force').copy()
     force[_climbs(recording)] = np.nan
     return longest_rest(signals.seconds, force, signals.available('angular_rate'))
 
@@ -54,8 +54,8 @@ def longest_rest(seconds: Array, force: Array, rate: Array) -> Rest:
     with np.errstate(invalid='ignore'):
         still: Array = np.all((force_std < MAX_FORCE_STD) & (rate_std < MAX_RATE)
                               & (abs(rate_mean) < MAX_RATE) & ~turned, axis=1)
-    period = np.median(np.diff(seconds))
-    gaps = np.flatnonzero(np.diff(seconds) > 1.5 * period) + 1
+    steps = np.diff(seconds)
+    gaps = np.flatnonzero(steps > 1.5 * np.median(steps)) + 1
     still[np.searchsorted(starts, gaps, side='right') - 1] = False
     edges = np.flatnonzero(np.diff(still.astype(np.int8), prepend=0, append=0))
     rests = edges.reshape(-1, 2)
@@ -74,7 +74,8 @@ def _climbs(recording: Recording) -> Array:
     climbs = abs(signals.available('velocity_down')) > MAX_CLIMB
     if not len(climbs):
         return np.zeros(len(seconds), bool)
-    return np.asarray(climbs[np.searchsorted(signals.seconds, seconds).clip(max=len(climbs) - 1)])
+    after = np.searchsorted(signals.seconds, seconds)
+    return np.asarray(climbs[np.minimum(after, len(climbs) - 1, out=after)])
 
 
 def _statistics(values: Array, starts: Array, counts: Array) -> tuple[Array, Array]:
