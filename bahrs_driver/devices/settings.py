@@ -41,10 +41,12 @@ class MagneticField(Group):
 class Publish(Group):
     """Settings of the published messages."""
 
-    incomplete: Literal['nan', 'withhold'] = setting(
+    incomplete: Literal['nan', 'not_reported', 'withhold'] = setting(
         'nan', 'How to publish a message with an unavailable component: nan publishes it with NaN '
-        'for this component; withhold drops the message, for filters that do not recover from '
-        'NaN. NavSatFix messages are always published.')
+        'for this component; not_reported also marks the force or rate of an Imu message that it '
+        'belongs to as not reported (-1), for filters that obey this mark; withhold drops the '
+        'message, for filters that do not recover from NaN. NavSatFix messages are always '
+        'published.')
     static_tf: bool = setting(
         False, 'Publish the transform from base_frame_id to frame_id on /tf_static, as the '
         'parameters mounting describe it. The launch files set it to true by default.',

@@ -71,6 +71,9 @@ ARGUMENTS = (
     LaunchArgument('publish_tf', 'publish the attitude as the transform from the world to '
                                  'base_link (default: as params_file says, or false)',
                    BOOLS, 'publish.tf', _bool),
+    LaunchArgument('publish_incomplete', 'how to publish a message with an unavailable component '
+                                         '(default: as params_file says, or nan)',
+                   ('nan', 'not_reported', 'withhold'), 'publish.incomplete'),
     LaunchArgument('record', 'directory of a bag to record: the driver waits for the recorder'),
     LaunchArgument('rviz', 'start RViz', BOOLS, default='false'),
     LaunchArgument('log_level', 'lowest severity of log messages (default: info)', LEVELS),

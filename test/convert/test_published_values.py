@@ -198,6 +198,20 @@ def test_exactly_the_messages_with_a_nan_are_withheld(bahrs_stream, titan_stream
         assert list(map(repr, kept)) == list(map(repr, expected))
 
 
+@given(bahrs_streams, titan_streams)
+def test_a_vector_with_a_nan_is_not_reported(bahrs_stream, titan_stream):
+    """With not_reported, for a BAHRS; always, for a Titan-M. No other value changes."""
+    whole = from_bahrs(bahrs_stream, whole_vectors=True)
+    for imu in (message for _, message in [*whole, *from_titan(titan_stream)]
+                if isinstance(message, Imu)):
+        for vector, spread in ((imu.linear_acceleration, imu.linear_acceleration_covariance),
+                               (imu.angular_velocity, imu.angular_velocity_covariance)):
+            assert any(map(math.isnan, numbers(vector))) == (spread[0] == -1)
+    # NaN is not equal to itself.
+    assert [repr(pair) for pair in whole if not has_nan(pair[1])] == [
+        repr(pair) for pair in from_bahrs(bahrs_stream) if not has_nan(pair[1])]
+
+
 @pytest.mark.parametrize('kind', sorted(CHECKED, key=str))
 def test_completeness_examines_every_number(kind):
     """This holds for all published values; covariances are always numbers."""

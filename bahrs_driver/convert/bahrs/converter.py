@@ -79,6 +79,7 @@ class BahrsOptions:
     integrity_policy: IntegrityPolicy
     orientation_fallback: float = 0.0       # rad; 0 is unknown
     withhold_incomplete: bool = False
+    whole_vectors: bool = False             # without a component, a vector is not reported
     mounting: Mounting | None = None        # if the attitude is published on /tf
 
 
@@ -167,11 +168,16 @@ class BahrsConverter:
     def _convert_sample(self, message: Inertial) -> _Sample:
         options = self._options
         factors = options.integrity_policy.variance_factors(message.health)
+        force, rate = self._whole(factors[:3]), self._whole(factors[3:])
         return _Sample(
-            options.convention.body(mask_unavailable(message.specific_force, factors[:3])),
-            covariance.of_vector(factors[:3], options.force_stddev),
-            options.convention.body(mask_unavailable(message.angular_rate, factors[3:])),
-            covariance.of_vector(factors[3:], options.rate_stddev))
+            options.convention.body(mask_unavailable(message.specific_force, force)),
+            covariance.of_vector(force, options.force_stddev),
+            options.convention.body(mask_unavailable(message.angular_rate, rate)),
+            covariance.of_vector(rate, options.rate_stddev))
+
+    def _whole(self, factors: tuple[VarianceFactor, ...]) -> tuple[VarianceFactor, ...]:
+        """Return the factors of a vector, all None if that is asked for and one is."""
+        return (None,) * 3 if self._options.whole_vectors and None in factors else factors
 
     def _time(self, message: InertialTime, stamp_ns: int) -> Outgoing:
         if message.valid:

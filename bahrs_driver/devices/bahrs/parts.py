@@ -88,4 +88,5 @@ def _options(settings: BahrsSettings) -> BahrsOptions:
                                          settings.integrity.risk_inflation),
         orientation_fallback=settings.stddev.orientation_fallback,
         withhold_incomplete=settings.publish.incomplete == 'withhold',
+        whole_vectors=settings.publish.incomplete == 'not_reported',
         mounting=mounting(settings) if settings.publish.tf else None)
