@@ -10,7 +10,7 @@ from latency import measure_bare, measure_node
 
 ROUNDS = 3
 DURATION = 12.0         # s of a round
-BOUNDS = {'p50': (49, 0.15, 3.5), 'p99': (98, 0.5, 3.5)}      # index, target above bare, limit
+BOUNDS = {'p50': (49, 0.15, 2.8), 'p99': (98, 0.5, 3.0)}      # index, target above bare, limit
 
 
 def measure() -> Iterator[Row]:

@@ -21,8 +21,8 @@ def measure() -> Iterator[Row]:
               for _ in range(ROUNDS)]
     ours, ubx, mavlink = map(max, zip(*rounds))
     what = 'streaming decode to typed messages, chunks of 4 KiB'
-    yield Row(what, ours, 'k/s', at_least('ratio', 8), at_least('ratio', 15), ubx, 'pyubx2')
-    yield Row(what, ours, 'k/s', at_least('ratio', 1.2), at_least('ratio', 3), mavlink,
+    yield Row(what, ours, 'k/s', at_least('ratio', 12), at_least('ratio', 15), ubx, 'pyubx2')
+    yield Row(what, ours, 'k/s', at_least('ratio', 1.75), at_least('ratio', 3), mavlink,
               'pymavlink')
 
 

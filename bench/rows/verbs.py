@@ -31,7 +31,7 @@ def floor() -> float:
 def decode() -> Iterator[Row]:
     """Measure `bahrs decode`, the summary."""
     used = min(usage(BAHRS, 'decode', recording()) for _ in range(RUNS))
-    yield _time('decode', used.cpu, at_most('ratio', 4), 2)
+    yield _time('decode', used.cpu, at_most('ratio', 1.1), 2)
 
 
 def report() -> Iterator[Row]:
@@ -39,16 +39,16 @@ def report() -> Iterator[Row]:
     with tempfile.TemporaryDirectory() as folder:
         runs = [usage(BAHRS, 'report', recording(), '-o', f'{folder}/{index}.html')
                 for index in range(2)]
-    yield _time('report', min(used.cpu for used in runs), at_most('ratio', 20), 6)
+    yield _time('report', min(used.cpu for used in runs), at_most('ratio', 5), 6)
     yield Row('`bahrs report` of 100 MB, peak memory', max(used.peak for used in runs), 'MB',
-              at_most('ours', 700), at_most('ours', 400))
+              at_most('ours', 450), at_most('ours', 400))
 
 
 def convert() -> Iterator[Row]:
     """Measure `bahrs convert`, and its memory beside that for a recording a tenth as long."""
     part, whole = _convert(recording(PART)), _convert(recording())
-    yield _time('convert', whole.cpu, at_most('ratio', 400), 60)
-    yield Row('`bahrs convert` of 100 MB, peak memory', whole.peak, 'MB', at_most('ratio', 1.3),
+    yield _time('convert', whole.cpu, at_most('ratio', 200), 60)
+    yield Row('`bahrs convert` of 100 MB, peak memory', whole.peak, 'MB', at_most('ratio', 1.2),
               at_most('ratio', 1.1), part.peak, '10 MB')
 
 
@@ -58,7 +58,7 @@ def emulate() -> Iterator[Row]:
         start, part = (min(_emulate(Path(folder, f'{index}.bin'), duration)
                            for index in range(2)) for duration in (1, EMULATED))
     cost = start.cpu + (part.cpu - start.cpu) * FULL / EMULATED
-    yield _time('emulate --output', cost, at_most('ratio', 150), 30,
+    yield _time('emulate --output', cost, at_most('ratio', 70), 30,
                 f'computed from {megabytes(recording()) * EMULATED / FULL:.0f} MB')
 
 
