@@ -94,5 +94,5 @@ class Clock(ABC):
 class Smoothing(NamedTuple):
     """Two passes over a recording: stamps of the second use the reads of all of it."""
 
-    first_pass: Clock
+    first_pass: Clock                       # it returns no messages
     second_pass: Callable[[], Clock]        # to call after the first pass

@@ -31,7 +31,7 @@ from bahrs_driver.clock.options import ClockOptions
 from bahrs_driver.clock.read_observer import ReadObserver
 from bahrs_driver.clock.slewer import StampSlewer
 from bahrs_driver.clock.stamp_queue import StampQueue
-from bahrs_driver.clock.stamper import Stamper
+from bahrs_driver.clock.stamper import NoStamper, Stamper
 from bahrs_driver.clock.sync_pulses import SyncPulses
 from bahrs_driver.protocol.framing import Frame
 from bahrs_driver.protocol.message import Message
@@ -45,7 +45,8 @@ class SampleClock(Clock):
     """Stamps messages by device time."""
 
     def __init__(self, roles: MessageRoles, options: ClockOptions = ClockOptions(),
-                 estimate: Estimate | None = None) -> None:
+                 estimate: Estimate | None = None,
+                 stamper_type: type[Stamper] = Stamper) -> None:
         """Stamp by an estimate without samples; the default is a new `Tracker`."""
         self._roles, self._options = roles, options
         self._device = DeviceTime(roles, options.label)
@@ -55,7 +56,8 @@ class SampleClock(Clock):
         self._slewer = StampSlewer(self._reads.host, options.fixed_latency)
         self._pulses = SyncPulses(options.source == 'sync_pulse', options.pulse_period,
                                   options.external_pulse_times)
-        self._stamper = Stamper(roles, self._device, self._estimate, self._slewer, self._pulses)
+        self._stamper = stamper_type(
+            roles, self._device, self._estimate, self._slewer, self._pulses)
         self._queue = StampQueue(self._device, self._estimate, self._stamper, self._reads,
                                  options.most_held, self._begin_epoch)
         self._epochs = self._epoch_began = 0
@@ -105,7 +107,7 @@ class SampleClock(Clock):
         """Return clocks for two passes over a recording."""
         smoother_input = SmootherInput()
         return Smoothing(
-            SampleClock(self._roles, self._options, smoother_input),
+            SampleClock(self._roles, self._options, smoother_input, NoStamper),
             lambda: SampleClock(self._roles, self._options, smoother_input.smoothed()))
 
     def state(self) -> TimeState:
