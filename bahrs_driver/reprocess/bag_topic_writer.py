@@ -2,11 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write topics into a bag."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from bahrs_driver.bag.bag_writer import BagWriter
-from bahrs_driver.bag.mcap_chunk import MessageRecord
 from bahrs_driver.bag.topics import qos_profile, Topic
 from bahrs_driver.convert.outgoing import Values
 from bahrs_driver.reprocess.topic_writer import LoggedValues
@@ -37,15 +36,17 @@ class BagTopicWriter:
                   (transient if topic in latched else volatile,))
             for topic, kind in topics.items())
 
-    def write(self, messages: Sequence[LoggedValues]) -> None:
-        """Store messages in the order of their log times."""
-        self._bag.write(self._records(messages))
-
-    def _records(self, messages: Sequence[LoggedValues]) -> Iterator[MessageRecord]:
-        topics = self._topics
+    def prepare(self, messages: Iterable[LoggedValues]) -> list[tuple[int, tuple[str, bytes]]]:
+        """Serialize messages: they wait in less memory, and are still in the processor's cache."""
+        topics, prepared = self._topics, []
         for time_ns, (topic, values) in messages:
             name, serialize = topics[topic]
-            yield time_ns, name, serialize(values), time_ns
+            prepared.append((time_ns, (name, serialize(values))))
+        return prepared
+
+    def write(self, messages: Sequence[tuple[int, tuple[str, bytes]]]) -> None:
+        """Store prepared messages in the order of their log times."""
+        self._bag.write((time_ns, name, data, time_ns) for time_ns, (name, data) in messages)
 
     def close(self) -> None:
         """Complete the bag."""

@@ -4,14 +4,14 @@
 
 from collections.abc import Iterable
 import math
+from typing import Any
 
 from bahrs_driver.bag.reorder_buffer import ReorderBuffer
-from bahrs_driver.convert.outgoing import Values
 from bahrs_driver.reprocess.topic_writer import LoggedValues, TopicWriter
 from bahrs_driver.units import NS_PER_S
 
 LONGEST_DELAY = 10 * NS_PER_S   # from the log time of a message to the read that completes it
-MOST_HELD = 50_000              # messages; ten times those of LONGEST_DELAY
+MOST_HELD = 50_000              # messages, about; five times those of LONGEST_DELAY
 WRITTEN_AT_ONCE = 5_000         # messages, about
 
 
@@ -22,12 +22,12 @@ class OrderedWriter:
         self.count = 0                          # messages written
         self.first_ns = self.last_ns = 0        # their log times
         self._writer = writer
-        self._held = ReorderBuffer[tuple[str, Values]](MOST_HELD)
+        self._held = ReorderBuffer[Any](MOST_HELD)
         self._enough = WRITTEN_AT_ONCE          # messages held, for some to be written
 
     def add(self, messages: Iterable[LoggedValues]) -> None:
         """Hold messages. Those of equal log times keep their order."""
-        self._held.add(messages)
+        self._held.add(self._writer.prepare(messages))
 
     def write_until(self, now: int) -> None:
         """Write messages, if they are many, that no message after now, a log time, can precede."""

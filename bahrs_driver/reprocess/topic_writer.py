@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a conversion writes to: a bag, or tables."""
 
-from collections.abc import Mapping, Sequence
-from typing import Protocol
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Protocol
 
 from bahrs_driver.convert.outgoing import Values
 
@@ -21,5 +21,8 @@ class TopicWriter(Protocol):
         A late subscriber gets the last message of those in latched.
         """
 
-    def write(self, messages: Sequence[LoggedValues]) -> None:
-        """Store messages in the order of their log times."""
+    def prepare(self, messages: Iterable[LoggedValues]) -> Iterable[tuple[int, Any]]:
+        """Return messages, with their log times, in the form in which they wait for write()."""
+
+    def write(self, messages: Sequence[tuple[int, Any]]) -> None:
+        """Store prepared messages in the order of their log times."""

@@ -8,6 +8,8 @@ from typing import Protocol
 from bahrs_driver.convert.outgoing import Values
 from bahrs_driver.tables.row_buffer import Block, RowBuffer
 
+_Logged = tuple[int, tuple[str, Values]]
+
 
 class Sink(Protocol):
     """Receives the blocks of one table."""
@@ -39,7 +41,11 @@ class TableWriter:
             if topic not in self._without:
                 self._tables[topic] = RowBuffer(kind), self._open_sink(topic, kind)
 
-    def write(self, messages: Iterable[tuple[int, tuple[str, Values]]]) -> None:
+    def prepare(self, messages: Iterable[_Logged]) -> Iterable[_Logged]:
+        """Return messages as they are."""
+        return messages
+
+    def write(self, messages: Iterable[_Logged]) -> None:
         """Append values to the tables of their topics; messages begin with their log times."""
         tables = self._tables
         for time_ns, (topic, values) in messages:

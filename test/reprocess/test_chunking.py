@@ -139,6 +139,10 @@ class ByTopic:
     def begin(self, topics, latched):
         """Prepare the topics."""
 
+    def prepare(self, messages):
+        """Return messages as they are."""
+        return messages
+
     def write(self, messages):
         """Store messages."""
         for _, (topic, values) in messages:

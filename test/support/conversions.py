@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Conversions of captures that are made in memory, and what they write."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,10 @@ class Kept:
         """Take the topics."""
         self.messages = {topic: [] for topic in topics}
         self.latched = latched
+
+    def prepare(self, messages: Iterable[LoggedValues]) -> Iterable[LoggedValues]:
+        """Return messages as they are."""
+        return messages
 
     def write(self, messages: Sequence[LoggedValues]) -> None:
         """Keep messages."""
