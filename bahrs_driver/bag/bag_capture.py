@@ -4,15 +4,14 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from bahrs_driver.bag.bag_files import BagFile, find_files
 from bahrs_driver.bag.capture import Capture, Chunk
 from bahrs_driver.bag.compression import decompress_message
 from bahrs_driver.bag.damage import MESSAGE
+from bahrs_driver.bag.raw_message import read_raw
 from bahrs_driver.bag.read_metadata import END_OF_TIME, parse_label, ReadMetadata
 from bahrs_driver.bag.stored_message import LARGEST_PART, RAW_TOPIC, RAW_TYPE, StoredMessage
-from bahrs_driver.bag.topics import typestore
 from bahrs_driver.errors import CaptureError, DamageError
 from bahrs_driver.process.printable import printable
 
@@ -84,25 +83,14 @@ def _same(topic: str, other: str) -> bool:
 
 def _decode(message: StoredMessage) -> tuple[Chunk, ReadMetadata | None, str]:
     """Decode a message; raise any exception for a malformed one."""
-    decoded = _deserialize(decompress_message(message.data, LARGEST_PART))
-    labels = [dimension.label for dimension in decoded.layout.dim]
-    metadata = parse_label(labels[0]) if labels else None
-    data = decoded.data.tobytes()
+    label, data = read_raw(decompress_message(message.data, LARGEST_PART))
+    metadata = parse_label(label) if label else None
     if metadata:
         chunk = Chunk(data, metadata.ros_ns, metadata.raw_ns, metadata.connection_id)
         return chunk, metadata, message.topic
     if not 0 <= message.log_time < END_OF_TIME:
         raise DamageError('its time is before 1970 or after 2038')
     return Chunk(data, message.log_time), None, message.topic
-
-
-def _deserialize(data: bytes) -> Any:
-    if not data:
-        raise DamageError('it is empty')
-    try:
-        return typestore().deserialize_cdr(data, RAW_TYPE)
-    except Exception as error:          # the library raises many kinds for malformed bytes
-        raise DamageError(f'it is cut, or not of type {RAW_TYPE}') from error
 
 
 def _joined(topics: set[str]) -> str:

@@ -39,9 +39,9 @@ class DeviceTimeClock(Clock):
 
     def stamp(self, messages: Iterable[tuple[Any, Frame]]) -> list[Stamped]:
         """Stamp the messages; drop those with an impossible time."""
-        stamped = ((message, frame, self._stamp_of(message)) for message, frame in messages)
-        return [Stamped(message, frame, stamp) for message, frame, stamp in stamped
-                if stamp is not None]
+        stamp_of = self._stamp_of
+        return [Stamped(message, frame, stamp) for message, frame in messages
+                if (stamp := stamp_of(message)) is not None]
 
     def state(self) -> TimeState:
         """Return the present state."""

@@ -170,7 +170,9 @@ class SampleTimes:
         return segment.time_of(count) + segment.offset
 
     def _index(self, count: int) -> int:
-        """Return the index of the segment of a sample."""
+        """Return the index of the segment of a sample, often the last one."""
+        if self._segments[-1].begin <= count:
+            return len(self._segments) - 1
         return max(0, bisect_right(self._segments, count, key=lambda item: item.begin) - 1)
 
     def _extend(self, anchor: Anchor) -> None:
