@@ -8,6 +8,8 @@ only the counters are decoded.
 """
 
 from collections.abc import Iterable, Iterator
+from itertools import repeat
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 from bahrs_driver.devices.recording_format import RecordingFormat
@@ -22,12 +24,11 @@ class Counter(NamedTuple):
     sequence: int
 
 
-class CountedMessage(NamedTuple):
-    """A message of a stream: offset of its frame, type, and its fields or only a Counter."""
+# A message of a stream: offset of its frame, type, and the message or only its Counter.
+CountedMessage = tuple[int, type[Any], Any]
 
-    offset: int
-    kind: type[Any]
-    message: Any
+
+_offset = itemgetter(0)
 
 
 class CountedMessages:
@@ -51,10 +52,10 @@ class CountedMessages:
             if isinstance(found, FrameBlock):
                 run += self._of_block(found)
             else:
-                yield from sorted(run)
+                yield from sorted(run, key=_offset)
                 run.clear()
                 yield from self._of_frames(found)
-        yield from sorted(run)
+        yield from sorted(run, key=_offset)
 
     def flush(self) -> Iterator[CountedMessage]:
         """Yield the messages at the end of the stream."""
@@ -70,12 +71,10 @@ class CountedMessages:
             messages = map(Counter, block_column(layout, block, 'sequence').tolist())
         else:
             messages = [layout.decode(row.tobytes(), self._header_size) for row in rows]
-        return [CountedMessage(offset, layout.message, message)
-                for offset, message in zip(offsets.tolist(), messages)]
+        return zip(offsets.tolist(), repeat(layout.message), messages)
 
     def _of_frames(self, frames: Iterable[Frame]) -> Iterator[CountedMessage]:
         for offset, data, _ in frames:
             layout = self._used.get(data[:self._header_size])
             if layout:
-                yield CountedMessage(offset, layout.message,
-                                     layout.decode(data, self._header_size))
+                yield offset, layout.message, layout.decode(data, self._header_size)

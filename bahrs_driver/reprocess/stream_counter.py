@@ -109,8 +109,10 @@ class StreamCounter:
                                      self.step * (sample.count - bool(self._pending)),
                                      sequence, self._power_on))
         self._power_on = False
-        self._confirm_votes(consecutive=ahead == 1)
-        self._observe_pending(CountedSequence(sample.count - 1, previous))
+        if self._unconfirmed:
+            self._confirm_votes(consecutive=ahead == 1)
+        if self._pending:
+            self._observe_pending(CountedSequence(sample.count - 1, previous))
         self._latest = sample
         self._received += 1
 
