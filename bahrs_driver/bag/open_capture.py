@@ -28,4 +28,4 @@ def open_capture(path: str | Path, topic: str | None = None) -> Capture:
         raise CaptureError(f'cannot read {shown}: {error.strerror}') from error
     except ModuleNotFoundError as error:
         raise CaptureError(f'{shown} is a bag, and the Python module {error.name} is missing: '
-                           'install rosbags and mcap') from error
+                           'install mcap') from error

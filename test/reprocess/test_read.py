@@ -178,8 +178,8 @@ def test_unreadable_files(tmp_path, monkeypatch):
         with pytest.raises(CaptureError, match=sentence):
             read(tmp_path / name)
     bag = bahrs(tmp_path / 'bag')
-    monkeypatch.delitem(sys.modules, 'bahrs_driver.bag.bag_capture', raising=False)
-    monkeypatch.setitem(sys.modules, 'rosbags.typesys', None)
-    monkeypatch.delitem(sys.modules, 'bahrs_driver.bag.topics', raising=False)
-    with pytest.raises(CaptureError, match='rosbags.* is missing: install rosbags and mcap'):
+    for module in ('bag_capture', 'bag_files', 'mcap_input'):
+        monkeypatch.delitem(sys.modules, f'bahrs_driver.bag.{module}', raising=False)
+    monkeypatch.setitem(sys.modules, 'mcap.records', None)
+    with pytest.raises(CaptureError, match='mcap.* is missing: install mcap'):
         read(bag)
