@@ -116,31 +116,28 @@ def true_values(speed: SmoothValue, climb: SmoothValue, track: SmoothValue,
     """
     ground_speed, acceleration, _ = speed
     climb_rate, climb_acceleration, _ = climb
-    direction, turn_rate, _ = track
+    direction, turn_rate, turn_acceleration = track
     share, share_rate, _ = airborne
-    bank, bank_rate = _coordinated_bank(speed, track)
+    ratio = ground_speed * turn_rate / STANDARD_GRAVITY
+    ratio_rate = (acceleration * turn_rate + ground_speed * turn_acceleration) / STANDARD_GRAVITY
+    bank, bank_rate = math.atan(ratio), ratio_rate / (1 + ratio * ratio)
     roll = share * bank
     roll_rate = share_rate * bank + share * bank_rate
     pitch, pitch_rate = _path_pitch(speed, climb)
     sin_roll, cos_roll = math.sin(roll), math.cos(roll)
-    axes = sin_roll, cos_roll, math.sin(pitch), math.cos(pitch)
-    # Level axes: forward along the track, right, down.
-    force = _to_body(acceleration, ground_speed * turn_rate,
-                     -climb_acceleration - STANDARD_GRAVITY, *axes)
-    p, q, r = _to_body(0.0, 0.0, turn_rate, *axes)
+    sin_pitch, cos_pitch = math.sin(pitch), math.cos(pitch)
+    # From axes forward along the track, right and down: rotated by pitch and then by roll.
+    right, down = ground_speed * turn_rate, -climb_acceleration - STANDARD_GRAVITY
+    below = sin_pitch * acceleration + cos_pitch * down
+    force = (cos_pitch * acceleration - sin_pitch * down,
+             cos_roll * right + sin_roll * below, cos_roll * below - sin_roll * right)
+    yaw_rate = 0.0 + cos_pitch * turn_rate
     return _new(Truth, (
-        force, (p + roll_rate, q + cos_roll * pitch_rate, r - sin_roll * pitch_rate),
+        force, (0.0 - sin_pitch * turn_rate + roll_rate,
+                sin_roll * yaw_rate + cos_roll * pitch_rate,
+                cos_roll * yaw_rate - sin_roll * pitch_rate),
         roll, pitch, direction % TURN, height,
         (ground_speed * math.cos(direction), ground_speed * math.sin(direction), -climb_rate)))
-
-
-def _coordinated_bank(speed: SmoothValue, track: SmoothValue) -> tuple[float, float]:
-    """Return the bank of a coordinated turn, and its rate."""
-    ground_speed, acceleration, _ = speed
-    _, turn_rate, turn_acceleration = track
-    ratio = ground_speed * turn_rate / STANDARD_GRAVITY
-    ratio_rate = (acceleration * turn_rate + ground_speed * turn_acceleration) / STANDARD_GRAVITY
-    return math.atan(ratio), ratio_rate / (1 + ratio * ratio)
 
 
 def _path_pitch(speed: SmoothValue, climb: SmoothValue) -> tuple[float, float]:
@@ -152,12 +149,3 @@ def _path_pitch(speed: SmoothValue, climb: SmoothValue) -> tuple[float, float]:
     square = ground_speed ** 2 + climb_rate ** 2
     return (math.atan2(climb_rate, ground_speed),
             (climb_acceleration * ground_speed - climb_rate * acceleration) / square)
-
-
-def _to_body(forward: float, right: float, down: float, sin_roll: float, cos_roll: float,
-             sin_pitch: float, cos_pitch: float) -> Vector:
-    """Rotate a vector from level axes by pitch and then by roll."""
-    below = sin_pitch * forward + cos_pitch * down
-    return (cos_pitch * forward - sin_pitch * down,
-            cos_roll * right + sin_roll * below,
-            cos_roll * below - sin_roll * right)

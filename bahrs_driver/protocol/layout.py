@@ -17,6 +17,7 @@ from typing import Any, Generic, TypeVar
 
 from bahrs_driver.protocol.integrity import two_bit_fields, valid_bits
 from bahrs_driver.protocol.message_decoder import message_decoder
+from bahrs_driver.protocol.message_encoder import message_encoder
 from bahrs_driver.protocol.row import Row
 
 Vector = tuple[float, float, float]
@@ -140,6 +141,7 @@ class Layout(Generic[Message]):
         self.size = self._struct.size
         # A function of bytes and of the start of the payload (0), which takes any content.
         self.decode: Callable[..., Message] = message_decoder(message, self.rows, self._struct)
+        self._encode = message_encoder(self.rows, self._struct)
 
     def raw(self, payload: bytes, start: int = 0) -> dict[str, Any]:
         """Return the raw numbers on the wire by field name."""
@@ -150,29 +152,19 @@ class Layout(Generic[Message]):
     def encode(self, message: Message) -> bytes:
         """Encode a message; raise ValueError if a value does not fit its field."""
         try:
-            return self._struct.pack(*self._raw_numbers(message))
+            return self._encode(message)
         except _MISFITS:
             for name, row in self.rows:
-                self._check(name, row, getattr(message, name))
+                self._check(name, row, message)
             raise
 
-    def _raw_numbers(self, message: Message) -> list[Any]:
-        numbers: list[Any] = []
-        for name, row in self.rows:
-            raw = row.raw(getattr(message, name))
-            if row.count == 1:
-                numbers.append(raw)
-            else:
-                numbers += raw
-        return numbers
-
-    def _check(self, name: str, row: Row, value: Any) -> None:
+    def _check(self, name: str, row: Row, message: Message) -> None:
         """Raise ValueError if the value of a field does not fit."""
+        rows = [(name, row)]
         try:
-            raw = row.raw(value)
-            _packer([(name, row)], self.byte_order).pack(*([raw] if row.count == 1 else raw))
+            message_encoder(rows, _packer(rows, self.byte_order))(message)
         except _MISFITS as error:
-            unit = row.unit and ' ' + row.unit
+            value, unit = getattr(message, name), row.unit and ' ' + row.unit
             raise ValueError(f'{name}: {value}{unit} does not fit its field ({error})') from error
 
 

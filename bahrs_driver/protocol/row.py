@@ -36,13 +36,3 @@ class Row:
     def wire_code(self) -> str:
         """Return the struct code of all repetitions and reserved bytes."""
         return (self.code if self.count == 1 else f'{self.count}{self.code}') + 'x' * self.reserved
-
-    def raw(self, value: Any) -> Any:
-        """Return the raw number of a value; of a repeated field, all of them."""
-        if self.encode:
-            return self.encode(value)
-        if self.scale is None:
-            return value
-        if self.count == 1:
-            return round((value - self.offset) / self.scale)
-        return [round(component / self.scale) for component in value]

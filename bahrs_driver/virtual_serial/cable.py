@@ -99,17 +99,17 @@ class Cable:
 
     def _take_arrived(self, until: float) -> bytes:
         """Remove and return the bytes that have crossed the line by a time."""
-        arrived = []
-        while self._sent:
-            start, data = self._sent[0]
-            if (until - start) / self.byte_time + _ROUNDING < len(data):
+        arrived, sent, byte_time = [], self._sent, self.byte_time
+        while sent:
+            start, data = sent[0]
+            if (until - start) / byte_time + _ROUNDING < len(data):
                 count = self._count_arrived(start, until)
                 if count:
                     arrived.append(data[:count])
-                    self._sent[0] = start + count * self.byte_time, data[count:]
+                    sent[0] = start + count * byte_time, data[count:]
                 break
             arrived.append(data)
-            self._sent.popleft()
+            sent.popleft()
         return b''.join(arrived)
 
     def _count_arrived(self, start: float, now: float) -> int:

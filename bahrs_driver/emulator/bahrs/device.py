@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A BAHRS in simulated time. No I/O."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 import struct
 from typing import Literal
@@ -112,17 +112,17 @@ class BahrsDevice(EmulatedDevice):
         """Advance to next_time and return the frames that are sent then."""
         if self._booting:
             self._booting = False
-            return list(self._boot())
+            return self._boot()
         time, reading = self.clock.time, self.clock.reading_us
         if self._diagnostics.active(time):
             self.pulses.skip_until(time)
             self.clock.advance(INERTIAL_PERIOD_US)
             return []
-        emissions = [self._emission(item, time, time)
-                     for item in self.stream.sample(self._motion.at(time), reading)]
+        messages = self.stream.sample(self._motion.at(time), reading)
+        emissions = self._emissions(messages, time, time)
         pulse = self.pulses.take_latest(time)
         if pulse is not None:
-            emissions.append(self._emission(self._pulse_message(pulse), time, pulse))
+            emissions += self._emissions([self._pulse_message(pulse)], time, pulse)
         if self._behavior.debug_rate:
             emissions += self._debug_frames(time, reading)
         self._advance_clock()
@@ -138,14 +138,14 @@ class BahrsDevice(EmulatedDevice):
         frame = self._codec.encode(message, behavior.version, behavior.service.checksum)
         return Emission(time + ANSWER_DELAY, frame, message.NAME, {}, time)
 
-    def _boot(self) -> Iterator[Emission]:
+    def _boot(self) -> list[Emission]:
         """Return the version messages, and advance the clock to the first sample."""
         versions = [SOFTWARE, HARDWARE] if self._behavior.version >= HARDWARE.SINCE else [SOFTWARE]
-        for message in versions:
-            truth = {'device_time_us': self.clock.reading_us}
-            yield self._emission((message, truth), self._power_on, self._power_on)
+        truth = {'device_time_us': self.clock.reading_us}
+        messages: list[SimulatedMessage] = [(message, truth) for message in versions]
         self.clock.advance(self._start_up.first_sample_us)
         self.pulses.skip_until(self.clock.time)
+        return self._emissions(messages, self._power_on, self._power_on)
 
     def _advance_clock(self) -> None:
         """Advance the clock to the next sample."""
@@ -158,11 +158,12 @@ class BahrsDevice(EmulatedDevice):
         self._pulse_count += 1
         return with_own_time(SyncPulseTime(sequence, self.clock.reading_at(pulse)))
 
-    def _emission(self, item: SimulatedMessage, sent: float, time: float) -> Emission:
-        message, truth = item
-        behavior = self._behavior
-        frame = self._codec.encode(message, behavior.version, behavior.crc)
-        return Emission(sent + behavior.output_delay, frame, message.NAME, truth, time)
+    def _emissions(self, messages: Iterable[SimulatedMessage], sent: float,
+                   time: float) -> list[Emission]:
+        behavior, encode = self._behavior, self._codec.encode
+        version, crc, ready = behavior.version, behavior.crc, sent + behavior.output_delay
+        return [Emission(ready, encode(message, version, crc), message.NAME, truth, time)
+                for message, truth in messages]
 
     def _debug_frames(self, time: float, reading: int) -> Iterator[Emission]:
         rate = self._behavior.debug_rate

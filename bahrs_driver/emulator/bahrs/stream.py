@@ -114,8 +114,8 @@ class BahrsStream:
         return messages
 
     def _inertial(self, count: int, truth: Truth, device_time_us: int) -> SimulatedMessage:
-        sequence, true_force, true_rate = count % COUNTER_MODULUS, *truth[:2]
-        add = self._errors.add_vector
+        sequence, add = count % COUNTER_MODULUS, self._errors.add_vector
+        true_force, true_rate = truth.specific_force, truth.angular_rate
         force = clamp_vector(add('specific_force', true_force), FORCE_LIMIT)
         rate = clamp_vector(add('angular_rate', true_rate), RATE_LIMIT)
         if self._blanks:

@@ -152,15 +152,16 @@ class BahrsCodec(Decoder):
 
     def __init__(self, height_format: HeightFormat = 'uint16') -> None:
         """Decode and encode the pressure height in a format."""
-        self._layouts = layouts(height_format)
-        self._headers = {key: HEADER.pack(MARKER, *key) for key in self._layouts}
-        self.layouts_by_header = {self._headers[key]: layout
-                                  for key, layout in self._layouts.items()}
+        self._with_headers = {key: (HEADER.pack(MARKER, *key), layout)
+                              for key, layout in layouts(height_format).items()}
+        self.layouts_by_header = dict(self._with_headers.values())
+        self._decoders = {header: layout.decode
+                          for header, layout in self._with_headers.values()}
 
     def decode(self, frame: Frame, _now: int = 0) -> BahrsMessage:
         """Return the message of an intact frame."""
         data = frame.data
-        return self.layouts_by_header[data[:_HEADER_SIZE]].decode(data, _HEADER_SIZE)
+        return self._decoders[data[:_HEADER_SIZE]](data, _HEADER_SIZE)
 
     def raw(self, frame: Frame) -> dict[str, object]:
         """Return the raw numbers of an intact frame by field name."""
@@ -175,9 +176,10 @@ class BahrsCodec(Decoder):
         service messages are unpadded, with a CRC-32, as its maker's tool sends them. Raise
         ValueError if the version has no such message or a value does not fit its field.
         """
-        header = self._headers.get((version, message.TYPE))
-        if header is None:
+        found = self._with_headers.get((version, message.TYPE))
+        if found is None:
             raise ValueError(f'{message.NAME} does not exist in protocol version {version}')
-        return _close_frame(header + self.layouts_by_header[header].encode(message),
+        header, layout = found
+        return _close_frame(header + layout.encode(message),
                             checksum or ('crc32' if message.SERVICE else 'word'),
                             not message.SERVICE if padded is None else padded)
