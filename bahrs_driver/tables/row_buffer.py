@@ -1,16 +1,16 @@
 # Copyright 2026 The bahrs_driver authors
 # SPDX-License-Identifier: Apache-2.0
 """
-Turn values, message by message, into blocks of columns.
+Turn the values of messages into blocks of columns.
 
-Numbers go into arrays of machine numbers, never into lists of Python objects: a message costs
-about as much time as its serialization. Most columns hardly ever change, such as those of a
-covariance; one that is constant in a block has only one element in memory.
+Numbers go into arrays of machine numbers, many messages at a time. Most columns hardly ever
+change, such as those of a covariance, for which converters return the same tuple again and again;
+a column that is constant in a block has only one element in memory.
 """
 
 from array import array
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import chain
 import json
 from typing import Any
 
@@ -42,14 +42,19 @@ class RowBuffer:
     @property
     def is_full(self) -> bool:
         """Whether the block has its full size, and take() should be called."""
-        return self.count >= self._limit
+        return len(self._times) >= self._limit
 
-    def append(self, time_ns: int, values: Values) -> None:
-        """Append a message; OverflowError if a number does not fit its field."""
-        self.count += 1
-        self._add_time(time_ns)
-        for add, value in zip(self._adders, values):
-            add(value)
+    @property
+    def is_empty(self) -> bool:
+        """Whether the block has no message."""
+        return not self._times
+
+    def extend(self, messages: Iterable[tuple[int, Values]]) -> None:
+        """Append messages with their log times; OverflowError if a number does not fit."""
+        times, values = zip(*messages)
+        self._times.extend(times)
+        for row, buffer, column in zip(self._rows, self._buffers, zip(*values)):
+            _extend(buffer, row, column)
 
     def take(self) -> Block:
         """Return the columns of the messages since the last call."""
@@ -61,11 +66,8 @@ class RowBuffer:
         return columns
 
     def _begin(self) -> None:
-        self.count = 0
         self._times = array('q')
-        self._add_time = self._times.append
         self._buffers: list[Any] = [_buffer(row) for row in self._rows]
-        self._adders = list(map(_adder, self._rows, self._buffers))
 
 
 def is_constant(column: Array) -> bool:
@@ -91,17 +93,20 @@ def _buffer(row: Row) -> Any:
     return array('q' if row.kind is Kind.TIME else row.code)
 
 
-def _adder(row: Row, buffer: Any) -> Callable[[Any], None]:
-    """Return the function that appends a value of a row to its buffer."""
+def _extend(buffer: Any, row: Row, values: Sequence[Any]) -> None:
     if row.kind is Kind.NUMBERS:
-        return buffer.extend        # type: ignore[no-any-return]
-    if row.kind in _JSON:
-        return partial(_append_json, buffer, row)
-    return buffer.append            # type: ignore[no-any-return]
+        buffer.frombytes(_numbers(row, values))
+    elif row.kind in _JSON:
+        buffer.extend(json.dumps(_plain(row, value)) for value in values)
+    else:
+        buffer.extend(values)
 
 
-def _append_json(buffer: list[str], row: Row, value: Any) -> None:
-    buffer.append(json.dumps(_plain(row, value)))
+def _numbers(row: Row, tuples: Sequence[tuple[Any, ...]]) -> bytes:
+    """Return the numbers of tuples, one after another."""
+    if len(set(map(id, tuples))) == 1:      # the same object in each message
+        return array(row.code, tuples[0]).tobytes() * len(tuples)
+    return np.fromiter(chain.from_iterable(tuples), row.code).tobytes()
 
 
 def _plain(row: Row, value: Any) -> Any:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write a table for each topic, a block of rows at a time."""
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from typing import Protocol
 
@@ -47,17 +48,19 @@ class TableWriter:
 
     def write(self, messages: Iterable[_Logged]) -> None:
         """Append values to the tables of their topics; messages begin with their log times."""
-        tables = self._tables
+        by_topic = defaultdict(list)
         for time_ns, (topic, values) in messages:
-            if topic in tables:
-                buffer, sink = tables[topic]
-                buffer.append(time_ns, values)
+            by_topic[topic].append((time_ns, values))
+        for topic, rows in by_topic.items():
+            if topic in self._tables:
+                buffer, sink = self._tables[topic]
+                buffer.extend(rows)
                 if buffer.is_full:
                     sink.write(buffer.take())
 
     def close(self) -> None:
         """Pass the last rows on, and close the sinks."""
         for buffer, sink in self._tables.values():
-            if buffer.count:
+            if not buffer.is_empty:
                 sink.write(buffer.take())
             sink.close()

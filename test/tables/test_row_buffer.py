@@ -32,7 +32,7 @@ def table_of(kind, rows, cuts=()):
     """Return the table of messages, cut into blocks behind some rows."""
     buffer, sink = RowBuffer(kind), MemorySink(kind)
     for number, row in enumerate(rows):
-        buffer.append(*row)
+        buffer.extend([row])
         if number in cuts or number == len(rows) - 1:
             sink.write(buffer.take())
     return sink.table()
@@ -89,7 +89,7 @@ def test_number_that_does_not_fit_is_an_error():
     """As it is when the message is serialized."""
     row = values.NavSatFix(0, '', 128, 0, 0.0, 0.0, 0.0, (0.0,) * 9, 0)
     with pytest.raises(OverflowError):
-        RowBuffer(values.NavSatFix).append(0, row)
+        RowBuffer(values.NavSatFix).extend([(0, row)])
 
 
 def test_stack():

@@ -33,7 +33,8 @@ rows = st.lists(st.sampled_from([topic for topic in TOPICS if topic != 'sync_pul
 def write(writer, messages):
     """Write messages with a writer."""
     writer.begin(TOPICS, set())
-    writer.write([(time_ns, (topic, message)) for topic, time_ns, message in messages])
+    for topic, time_ns, message in messages:
+        writer.write([(time_ns, (topic, message))])
     writer.close()
 
 
