@@ -93,11 +93,14 @@ def _rules(parameters: Mapping[str, Value]) -> Iterator[Parameter]:
 
 def _params_file(given: str, sensor: str) -> str | PathJoinSubstitution:
     """Return the given file, or that of the package for a sensor; FileNotFoundError."""
-    if not given:
-        return _shared('config', f'{sensor}.yaml')
+    return existing_file('params_file', given) if given else shared('config', f'{sensor}.yaml')
+
+
+def existing_file(argument: str, given: str) -> str:
+    """Return the path of a file that an argument names; FileNotFoundError."""
     file = Path(given).expanduser()
     if not file.is_file():          # launch_ros would continue without it
-        raise FileNotFoundError(f'params_file:={given} is not a file')
+        raise FileNotFoundError(f'{argument}:={given} is not a file')
     return str(file)
 
 
@@ -113,10 +116,11 @@ def _rviz(values: Mapping[str, str]) -> Node:
     # Its topics are relative names.
     return Node(package='rviz2', executable='rviz2', output='screen',
                 namespace=values['namespace'],
-                arguments=['-d', _shared('rviz', 'bahrs.rviz')])
+                arguments=['-d', shared('rviz', 'bahrs.rviz')])
 
 
-def _shared(*parts: str) -> PathJoinSubstitution:
+def shared(*parts: str) -> PathJoinSubstitution:
+    """Return the path of a file that the package installs, by its parts."""
     return PathJoinSubstitution([FindPackageShare(PACKAGE), *parts])
 
 

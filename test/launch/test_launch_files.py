@@ -3,6 +3,8 @@
 """Tests of the launch files: arguments override the file, the file overrides defaults."""
 
 import importlib.util
+from itertools import pairwise
+import os
 from pathlib import Path
 
 from bahrs_driver.cli.main import _parser
@@ -12,39 +14,14 @@ from bahrs_driver.node.launch_arguments import ARGUMENTS
 from bahrs_driver.settings.command_line import RosArguments
 from hypothesis import given, strategies as st
 import pytest
-from support import launch_stand_in
 from support.launch_stand_in import Command
+from support.launched import install_filter, StandIn
 from support.node_settings import node_settings
 
 ROOT = Path(__file__).resolve().parents[2]
 FILES = tuple(DEVICES)
 BOTH = 'two_devices'
-
-
-class StandIn:
-    """Runs launch files with the stand-in."""
-
-    def __init__(self):
-        """Load the launch files."""
-        with pytest.MonkeyPatch.context() as patch:
-            launch_stand_in.install(patch)
-            for file in (ROOT / 'launch').glob('*.py'):
-                launch_stand_in.generator(str(file))
-
-    def set_argument(self, name, value):
-        """Return an action that sets an argument in the scope of the includer."""
-        return launch_stand_in.SetLaunchConfiguration(name, value)
-
-    def include(self, file, arguments):
-        """Return an action that includes a file with arguments."""
-        return launch_stand_in.IncludeLaunchDescription(
-            str(ROOT / 'launch' / f'{file}.launch.py'), launch_arguments=arguments.items())
-
-    def run(self, *entities, count=1):
-        """Return the commands that are started, and the context at the end."""
-        context = launch_stand_in.LaunchContext()
-        launch_stand_in.visit(launch_stand_in.LaunchDescription(entities), context)
-        return context.commands, context
+PREFIXES = 'AMENT_PREFIX_PATH'
 
 
 class Real:
@@ -204,6 +181,79 @@ def test_two_devices_need_two_ports():
     """The default port would be the same for both."""
     with pytest.raises(RuntimeError, match='"bahrs_port" was not provided'):
         StandIn().run(StandIn().include(BOTH, {}))
+
+
+@pytest.fixture
+def with_filter(tmp_path, monkeypatch):
+    """Install a package with the nodes of robot_localization, which do nothing."""
+    monkeypatch.setenv(PREFIXES, f'{install_filter(tmp_path)}:{os.environ.get(PREFIXES, "")}')
+
+
+def of_filter(command):
+    """Return executable, name, namespace, parameter files and remapped topics of a node."""
+    rules = [word for word in command.words if ':=' in word]
+    remaps = dict(rule.split(':=') for rule in rules)
+    files = [Path(after).name for word, after in pairwise(command.words)
+             if word == '--params-file']
+    return command.executable, remaps['__node'], remaps['__ns'], files, remaps['gps/fix']
+
+
+def by_executable(commands):
+    """Return the commands of the drivers, and the others by their executables."""
+    return ([command for command in commands if command.executable == 'driver_node'],
+            {command.executable: of_filter(command) for command in commands
+             if command.executable != 'driver_node'})
+
+
+FOR_FILTER = {'publish.tf': 'false', 'publish.incomplete': 'not_reported'}
+
+
+def test_filter_with_a_bahrs(launch, with_filter):
+    """It gets the parameters for a BAHRS alone; arguments of the driver reach the driver."""
+    commands, _ = launch.run(launch.include('ekf', {
+        'port': '/dev/b', 'namespace': 'left', 'x': '0.5', 'publish_tf': 'true'}), count=2)
+    (driver,), others = by_executable(commands)
+    assert of_node(driver) == ('bahrs_driver', '/left', ['bahrs.yaml'], {
+        'port': '/dev/b', 'mounting.x': '0.5', **FOR_FILTER})
+    assert others == {'ekf_node': (
+        'ekf_node', 'ekf_filter_node', '/left', ['ekf.yaml'], 'titan_m/fix')}
+
+
+def test_filter_with_both_devices(launch, with_filter, tmp_path):
+    """The Titan-M has a namespace and a frame of its own, and none of the BAHRS's arguments."""
+    file = tmp_path / 'my.yaml'
+    file.touch()
+    commands, _ = launch.run(launch.include('ekf', {
+        'port': '/dev/b', 'titan_m_port': '/dev/t', 'x': '0.5',
+        'titan_m_params_file': str(file)}), count=4)
+    drivers, others = by_executable(commands)
+    assert sorted(map(of_node, drivers), key=lambda node: node[1]) == [
+        ('bahrs_driver', '/', ['bahrs.yaml'], {
+            'port': '/dev/b', 'mounting.x': '0.5', **FOR_FILTER}),
+        ('bahrs_driver', '/titan_m', ['my.yaml'], {
+            'port': '/dev/t', 'frame_id': 'titan_m_link', 'sensor': 'titan_m', **FOR_FILTER})]
+    assert others == {executable: (executable, name, '/', ['ekf_titan_m.yaml'], 'titan_m/fix')
+                      for executable, name in (
+                          ('ekf_node', 'ekf_filter_node'),
+                          ('navsat_transform_node', 'navsat_transform_node'))}
+
+
+def test_another_file_for_the_filter(with_filter, tmp_path):
+    """Launch itself would start it without any inputs if there is no such file."""
+    launch, file = StandIn(), tmp_path / 'mine.yaml'
+    arguments = {'ekf_params_file': str(file)}
+    with pytest.raises(FileNotFoundError, match=f'ekf_params_file:={file} is not a file'):
+        launch.run(launch.include('ekf', arguments))
+    file.touch()
+    commands, _ = launch.run(launch.include('ekf', arguments))
+    assert by_executable(commands)[1]['ekf_node'][3] == ['mine.yaml']
+
+
+def test_without_the_filter(tmp_path, monkeypatch):
+    """The message names the command that installs it; no driver is started before."""
+    monkeypatch.setenv(PREFIXES, str(tmp_path))
+    with pytest.raises(RuntimeError, match='not installed: sudo apt install ros-.*-localization'):
+        StandIn().run(StandIn().include('ekf', {}))
 
 
 def test_two_includes(launch, tmp_path):

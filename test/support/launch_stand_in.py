@@ -166,8 +166,9 @@ class Node(LaunchDescriptionEntity):
     def __init__(self, *, package: str, executable: str, namespace: str, output: str,
                  name: str = '', parameters: Iterable[Parameter | Text] = (),
                  arguments: Sequence[Text] = (), ros_arguments: Sequence[str] | None = None,
-                 respawn: bool = False, respawn_delay: float = 0.0) -> None:
-        assert (package, output) in (('bahrs_driver', 'screen'), ('rviz2', 'screen'))
+                 remappings: Iterable[tuple[str, str]] = (), respawn: bool = False,
+                 respawn_delay: float = 0.0) -> None:
+        assert package in ('bahrs_driver', 'rviz2', 'robot_localization') and output == 'screen'
         self.respawn = respawn
         words = [executable, *arguments]
         if ros_arguments is not None:
@@ -176,6 +177,8 @@ class Node(LaunchDescriptionEntity):
                   '-r', f"__ns:=/{namespace.strip('/')}"]
         for item in parameters:
             words += ['-p', item.rule] if isinstance(item, Parameter) else ['--params-file', item]
+        for old, new in remappings:
+            words += ['-r', f'{old}:={new}']
         self.words = words
 
     def execute(self, context: LaunchContext) -> None:
