@@ -22,7 +22,7 @@ from bahrs_driver.process.garbage_collection import rare_collections
 from bahrs_driver.process.printable import printable
 from bahrs_driver.reprocess.conversion import Conversion, ConversionResult
 from bahrs_driver.reprocess.recording import no_frames, open_recording
-from bahrs_driver.ros.start import check_import
+from bahrs_driver.ros.start import check_import, missing_module
 from bahrs_driver.tables.table_files import SINKS, table_files
 from bahrs_driver.tables.table_writer import TableWriter
 from bahrs_driver.units import NS_PER_S
@@ -70,10 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Convert a recording."""
-    if options.namespace:           # the only use of ROS
-        check_import()
-        from bahrs_driver.cli.node_options import checked_namespace
-        options.namespace = checked_namespace(options.namespace)
+    options.namespace = _checked(options.namespace)
     capture, name = open_recording(options.input, options.topic, options.sensor)
     settings, notes = read_settings(options.parameters, name)
     conversion = Conversion(capture, settings, DEVICES[name], options.start)
@@ -85,6 +82,18 @@ def run(options: argparse.Namespace) -> int:
     _report(options, [*unused_options(options, capture.timed), *notes, *capture.notes,
                       *conversion.notices, *result.clock_steps], result)
     return 0
+
+
+def _checked(namespace: str) -> str:
+    """Return the namespace; CommandError if it is invalid. Only this check needs ROS."""
+    if not namespace:
+        return ''
+    check_import()
+    try:
+        from bahrs_driver.cli.node_options import checked_namespace
+    except ImportError as error:
+        raise CommandError(f'cannot check --namespace: {missing_module(error)}') from error
+    return checked_namespace(namespace)
 
 
 @contextlib.contextmanager
@@ -113,7 +122,12 @@ def _convert(options: argparse.Namespace, conversion: Conversion, capture: Captu
 def _open_writer(options: argparse.Namespace, folder: Path) -> 'TableWriter | BagTopicWriter':
     if options.kind in SINKS:
         return table_files(folder, options.kind)
-    from bahrs_driver.reprocess.bag_topic_writer import BagTopicWriter
+    try:
+        from bahrs_driver.reprocess.bag_topic_writer import BagTopicWriter
+    except ModuleNotFoundError as error:
+        package = (error.name or '').partition('.')[0]
+        raise CommandError(f'cannot write a bag: the Python package {package} is not installed: '
+                           'pip install mcap rosbags') from error
     return BagTopicWriter(folder, folder.name, options.namespace)
 
 

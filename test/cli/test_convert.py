@@ -6,6 +6,7 @@ from collections import defaultdict
 import csv
 import json
 import os
+import sys
 
 from bahrs_driver.bag.bag_writer import BagWriter
 from bahrs_driver.bag.read_metadata import ReadMetadata
@@ -161,6 +162,24 @@ def test_no_ros_is_needed(byte_file, tmp_path, kind):
         (tmp_path / folder / 'metadata.yaml').unlink(missing_ok=True)       # has the name
     assert [path.read_bytes() for path in sorted((tmp_path / 'with').iterdir())] == [
         path.read_bytes() for path in sorted((tmp_path / 'without').iterdir())]
+
+
+@pytest.mark.parametrize('missing, words, sentence', [
+    ('rosbags', ['--as', 'bag'], 'the Python package rosbags is not installed: pip install mcap'),
+    ('pyarrow', ['--as', 'parquet'], 'package pyarrow is not installed: pip install pyarrow\n'),
+    ('rclpy.exceptions', ['--namespace', 'left'], 'cannot check --namespace: the Python module'),
+])
+def test_missing_packages(byte_file, tmp_path, monkeypatch, missing, words, sentence):
+    """The sentence names the package, and what to do; no output remains."""
+    for name in list(sys.modules):
+        if name.startswith((missing, 'bahrs_driver.reprocess.bag_topic_writer',
+                            'bahrs_driver.bag.topics', 'bahrs_driver.bag.bag_writer',
+                            'bahrs_driver.cli.node_options')):
+            monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, missing, None)
+    status, text = convert(byte_file, tmp_path / 'out', *words)
+    assert status == 1 and sentence in text and text.count('\n') == 1
+    assert list(tmp_path.iterdir()) == [byte_file]
 
 
 @pytest.mark.parametrize('plugin', StoragePlugin)
