@@ -8,6 +8,7 @@ import sys
 
 from bahrs_driver import read
 from bahrs_driver.bag.bag_writer import BagWriter
+from bahrs_driver.bag.capture import Chunk
 from bahrs_driver.bag.read_metadata import ReadMetadata
 from bahrs_driver.bag.topics import Topic
 from bahrs_driver.convert import raw
@@ -48,13 +49,8 @@ def titan_m(path):
     """Write a bag of the raw bytes of a polled Titan-M."""
     polled = PolledDevice()
     polled.run(4.0)
-    with BagWriter(path) as bag:
-        bag.add_topics([Topic('/raw', 'std_msgs/msg/UInt8MultiArray', ())])
-        for time, data in polled.chunks:
-            now = ORIGIN + round(time * S)
-            label = ReadMetadata('titan_m', 1, 86805, now, round(time * S)).to_label()
-            bag.write([(now, '/raw', serialize(raw.message(data, label)), now)])
-    return path
+    return raw_bag(path, 'titan_m', [Chunk(data, ORIGIN + round(time * S), round(time * S))
+                                     for time, data in polled.chunks])
 
 
 def bahrs(path):

@@ -107,6 +107,33 @@ def csv_line(*fields):
     return text.getvalue().removesuffix('\r\n') + '\n'
 
 
+def test_a_block_is_passed_on_when_it_is_full(monkeypatch):
+    """So memory does not depend on the length of a recording."""
+    monkeypatch.setattr(row_buffer, 'BLOCK_ROWS', 5)
+    monkeypatch.setattr(row_buffer, 'JSON_ROWS', 2)
+    sizes = {topic: [] for topic in TOPICS}
+
+    class Sizes:
+        def __init__(self, topic, _kind):
+            self._sizes = sizes[topic]
+
+        def write(self, block):
+            self._sizes.append(len(block['time_ns']))
+
+        def close(self):
+            self._sizes.append('end')
+
+    writer = TableWriter(Sizes)
+    writer.begin(TOPICS, set())
+    message = {'fix': values.position_fix(0, '', None, 0.0, 0.0, 0.0),
+               '/diagnostics': values.DiagnosticArray(0, '', ())}
+    for number in range(4):
+        writer.write([(number, item) for item in message.items()] * 3)
+    writer.close()
+    assert sizes == {'imu/data': ['end'], 'sync_pulse': ['end'], 'fix': [6, 6, 'end'],
+                     '/diagnostics': [3, 3, 3, 3, 'end']}
+
+
 def test_parquet_metadata(tmp_path):
     """Type and frame stand in the schema, units beside each column; a block is a row group."""
     message = values.TimeReference(1, 'imu_link', 2, 'gps')
