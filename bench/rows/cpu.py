@@ -16,7 +16,7 @@ from support.waiting import wait_for
 
 ROUNDS = 3
 DURATION = 8.0          # s of a round
-LIMITS = {'none': 2.2, '16': 1.7}
+LIMITS = {'none': 2.4, '16': 1.7}
 TIMERS = {'none': 'a read for almost each frame', '16': 'adapter with a timer of 16 ms'}
 
 
