@@ -21,7 +21,7 @@ from bahrs_driver.units import BITS_PER_BYTE, COUNTER_MODULUS
 from bahrs_driver.virtual_serial.pty_port import PtyPort
 
 PERIOD = 0.001              # s from write to write, as of an adapter with its timer at 1 ms
-BUFFER = 65536              # bytes
+BUFFER = 640 * 1024         # bytes that Linux keeps for a serial port until it drops some
 LARGEST = 30_000            # value of force x; y counts on
 SAFE = (Integrity.SAFE,) * 6
 
