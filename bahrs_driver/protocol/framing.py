@@ -98,6 +98,9 @@ class Framer:
         """Recognize frames of unknown type up to max_gap bytes."""
         self.counters = FramingCounters()
         self._format = frame_format
+        # These four are looked up for each frame.
+        self._marker, self._header_size = frame_format.marker, frame_format.header_size
+        self._sizes, self._passing_checksum = frame_format.sizes, frame_format.passing_checksum
         self._max_gap = max_gap
         self._expected: Collection[type] | None = None
         self._buffer = b''
@@ -147,10 +150,10 @@ class Framer:
 
     def _take_frames(self, final: bool) -> list[Frame]:
         frames: list[Frame] = []
-        buffer, marker = self._buffer, self._format.marker
+        size, buffer, marker, examine = 0, self._buffer, self._marker, self._examine
         while (start := buffer.find(marker, self._search)) >= 0:
             self._search = start
-            found = self._examine(start, final)
+            found = examine(start, final)
             if found is _INCOMPLETE:
                 break
             if found is _REJECTED:
@@ -158,29 +161,30 @@ class Framer:
                 continue
             if start > self._gap:
                 self._close_gap(start)
-            self._gap = self._search = start + len(found.data)
+            end = self._gap = self._search = start + len(found.data)
+            size += end - start
             frames.append(found)
         else:       # a partial marker may be at the end of the buffer
             self._search = max(self._search, len(buffer) - len(marker) + 1)
         self.counters.frames += len(frames)
-        self.counters.frame_bytes += sum([len(data) for _, data, _ in frames])
+        self.counters.frame_bytes += size
         self._drop_rejected()
         return frames
 
     def _examine(self, start: int, final: bool) -> Frame | _NoFrame:
         """Return the frame at a marker, or the reason why there is none."""
         buffer, expected = self._buffer, self._expected
-        header_end = start + self._format.header_size
+        header_end = start + self._header_size
         if header_end > len(buffer) and not final:
             return _INCOMPLETE
-        sizes = self._format.sizes(buffer[start:header_end], expected)
+        sizes = self._sizes(buffer[start:header_end], expected)
         for size in sizes:
             data = buffer[start:start + size]
             if len(data) < size:
                 if not final:
                     return _INCOMPLETE
                 break
-            checksum = self._format.passing_checksum(data, expected)
+            checksum = self._passing_checksum(data, expected)
             if checksum:
                 return _new_frame(Frame, (self._buffer_offset + start, data, checksum))
         self._record_rejected(start, sizes)

@@ -50,9 +50,10 @@ def passes_mpeg2(frame: bytes) -> bool:
 
 def passes_mpeg2_words(frame: bytes) -> bool:
     """Return whether the last word of a frame is the CRC-32/MPEG-2 of the words before it."""
-    if len(frame) % 4:
+    try:
+        words = array('I', frame.translate(_BITS_REVERSED))
+    except ValueError:      # the size is not a multiple of four
         return False
-    words = array('I', frame.translate(_BITS_REVERSED))
     words.byteswap()        # so that the CRC is the highest byte first, as the residue needs it
     return zlib.crc32(words) == _RESIDUE
 
