@@ -33,6 +33,9 @@ class Table(dict[str, NDArray[Any]]):
         self.message_type = message_type        # such as sensor_msgs/msg/Imu
         self.units = units                      # by column; empty where there is none
 
+    def __repr__(self) -> str:
+        return f'<table of {self.message_type}: {self.rows:,} rows, {len(self)} columns>'
+
     @property
     def rows(self) -> int:
         """Messages, and thus the length of each column."""

@@ -103,3 +103,9 @@ def test_stack():
     for absent in ('pose', 'header', 'orientation'):
         with pytest.raises(KeyError, match=absent):
             table.stack(absent)
+
+
+def test_the_text_of_a_table_is_short():
+    """An interactive session shows what there is, not all arrays."""
+    table = table_of(values.Float64, [(1, values.Float64(5.0))] * 1200)
+    assert repr(table) == '<table of std_msgs/msg/Float64: 1,200 rows, 2 columns>'
