@@ -8,6 +8,13 @@ WORKERS ?= 5
 PARALLEL := -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 NOBLE := .venv-noble
 PEERS := .venv-peers
+# A ROS installation that this shell has sourced would be found before that of .venv.
+OTHER_ROS := $(strip $(foreach name,AMENT_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH,$(if $($(name)),$(name)))\
+    $(if $(filter-out rmw_fastrtps_cpp,$(RMW_IMPLEMENTATION)),RMW_IMPLEMENTATION))
+ifneq ($(OTHER_ROS),)
+$(info Using the ROS of $(VENV), without these variables of the shell: $(OTHER_ROS))
+unexport $(OTHER_ROS)
+endif
 # Tests start hundreds of processes, each of which would compile the package again.
 unexport PYTHONDONTWRITEBYTECODE
 
