@@ -13,7 +13,7 @@ _VERDICT = {True: 'yes', False: 'no', None: '-'}
 
 def number(value: float) -> str:
     """Return a number with about three digits, two if it is small."""
-    if 0 < abs(value) < 0.1:
+    if abs(value) < 0.1:
         return f'{value:.2g}'
     digits = 0 if abs(value) >= 100 else 1 if abs(value) >= 10 else 2
     return f'{value:,.{digits}f}'

@@ -12,7 +12,7 @@ ALONE = Row('memory', 0.456, 'MB', at_most('difference', 1))
 
 
 @pytest.mark.parametrize('value, text', [
-    (0, '0.00'), (0.0456, '0.046'),
+    (0.0, '0'), (0.0456, '0.046'),
     (1.234, '1.23'), (12.34, '12.3'), (123.4, '123'), (12345.6, '12,346')])
 def test_numbers_have_about_three_digits(value, text):
     """No exponent."""
