@@ -17,7 +17,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import Imu
 import subscriber
 
-DEPTH = 5000                # this queue shall not be the one that overflows
+DEPTH = 50_000              # this queue shall not be the one that overflows
 FORCE = struct.Struct('<2d')
 FORCE_FROM_END = 8 * (3 + 9)    # force and its covariance end a serialised Imu message
 

@@ -51,8 +51,10 @@ def in_use(subscriber: Process) -> bool:
 
 
 def complete(subscriber: Process) -> bool:
-    """Return whether the subscriber has all that was published, and the node is silent."""
-    return str(latest(subscriber)['messages']['Rates']).startswith('No data')
+    """Return whether the node is silent, and the subscriber has received nothing more."""
+    before, last = (json.loads(line) for line in subscriber.lines[-2:])
+    return bool(last['messages']['Rates'].startswith('No data')
+                and last['received'] == before['received'])
 
 
 def measure(baud_rate: int, duration: float, busy: int) -> tuple[Counts, Counts, float]:

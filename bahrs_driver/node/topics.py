@@ -32,7 +32,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import UInt8MultiArray
 
 LEAST_QUEUE_DEPTH = 100
-QUEUE_SPAN = 1.0                # s that a subscriber may pause while the line is full
+QUEUE_SPAN = 5.0                # s of a full line for which a subscriber may pause
 FRAME_SIZE = 28                 # bytes of a sample, the frame that can come most often
 DISCOVERY_TIME = 5.0            # s in which subscribers that were started first are discovered
 
