@@ -47,8 +47,8 @@ def failing_driver(port, place):
     """Run a node in which one function fails repeatedly after the start."""
     imports, name, error = PLACES[place]
     every = 2 if place == 'watching the clock' else 7       # that is called 5 times a second
-    code = START.format(imports=imports, name=name, error=error, every=every,
-                        first=99 if place == 'publishing' else 9)
+    first = 999 if place == 'publishing' else 9     # after the events of parameters
+    code = START.format(imports=imports, name=name, error=error, every=every, first=first)
     node = Process([sys.executable, '-c', code, '--ros-args', '-p', f'port:={port}'])
     try:
         yield node
