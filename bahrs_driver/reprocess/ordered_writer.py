@@ -10,7 +10,7 @@ from bahrs_driver.bag.reorder_buffer import ReorderBuffer
 from bahrs_driver.reprocess.topic_writer import LoggedValues, TopicWriter
 from bahrs_driver.units import NS_PER_S
 
-LONGEST_DELAY = 10 * NS_PER_S   # from the log time of a message to the read that completes it
+LONGEST_DELAY = 10 * NS_PER_S   # ns from the log time of a message to the read that completes it
 MOST_HELD = 50_000              # messages, about; five times those of LONGEST_DELAY
 WRITTEN_AT_ONCE = 5_000         # messages, about
 
@@ -30,7 +30,11 @@ class OrderedWriter:
         self._held.add(self._writer.prepare(messages))
 
     def write_until(self, now: int) -> None:
-        """Write messages, if they are many, that no message after now, a log time, can precede."""
+        """
+        Write the messages that none after now can precede, if many are held.
+
+        now is the log time of a read, in ns.
+        """
         if len(self._held) >= self._enough:
             self._write(now - LONGEST_DELAY)
             self._enough = len(self._held) + WRITTEN_AT_ONCE
@@ -42,7 +46,8 @@ class OrderedWriter:
     def _write(self, until: float) -> None:
         messages = self._held.pop_until(until)
         if messages:
+            if not self.count:
+                self.first_ns = messages[0][0]
             self.count += len(messages)
-            self.first_ns = self.first_ns or messages[0][0]
             self.last_ns = messages[-1][0]
             self._writer.write(messages)
