@@ -21,7 +21,6 @@ MessageRecord = tuple[int, str, bytes, int]
 _MESSAGE = struct.Struct('<BQHIQQ')     # opcode, size, channel, sequence, log and publish time
 _INDEX = struct.Struct('<BQHI')         # opcode, size, channel, size of the entries
 _UNCOUNTED = struct.calcsize('<BQ')     # opcode and size
-_ENTRY_SIZE = struct.calcsize('<Q')
 
 
 class ChunkBuilder:

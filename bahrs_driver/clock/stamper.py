@@ -30,7 +30,7 @@ SAME_SAMPLE = NS_PER_MS         # device times that differ by less belong to one
 class _Latest(NamedTuple):
     """The latest sample with a stamp."""
 
-    sample: int | None      # count
+    sample_count: int | None
     device: int | None      # device time, if it was known
     stamp: int
 
@@ -110,7 +110,7 @@ class Stamper:
     def _reuse_or_stamp(self, item: HeldMessage, count: int, known: bool,
                         now: Instant) -> int | None:
         """Return the stamp of the latest sample if it has this count, else a new one."""
-        if self._latest and self._latest.sample == count:
+        if self._latest and self._latest.sample_count == count:
             return self._latest.stamp
         return self._stamp_count(item, count, known, now)
 
@@ -150,7 +150,7 @@ class Stamper:
 
 
 class NoStamper(Stamper):
-    """The stamper of a first pass over a recording, whose stamps nobody needs."""
+    """The stamper of a first pass over a recording, which drops all messages."""
 
     def add_arrivals(self, items: Iterable[HeldMessage]) -> None:
         """Do nothing."""

@@ -9,8 +9,8 @@ before the file, which the file overrides; a given argument is a rule after it.
 
 Launch keeps arguments in the scope of the including file, where the next included file finds them.
 So the description has a scope of its own, and marks a value that an earlier include of this
-package has used: a later include ignores it. For other files it does not change. A namespace for
-several drivers is given to each include.
+package has used: a later include ignores it. Other launch files see the value as it was. Give a
+namespace for several drivers to each include.
 """
 
 from collections.abc import Iterator, Mapping

@@ -3,8 +3,7 @@
 """
 The publishers of transforms, with topics and quality of service as in tf2_ros.
 
-tf2_msgs is not everywhere: ROS from wheels does not have it. Without it the node goes on, and
-says so.
+ROS from wheels has no tf2_msgs. Without it the node logs a warning and publishes everything else.
 """
 
 from collections.abc import Callable

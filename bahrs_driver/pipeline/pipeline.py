@@ -6,9 +6,10 @@ Bytes in, stamped messages out.
     framer (bytes -> frames) -> decoder (frame -> message) -> clock (message -> stamp)
 
 The decoder then resolves answers whose payload cannot be decoded before they have a stamp. The
-live reader, `bahrs convert`, `bahrs report` and `bahrs decode` differ in the source of bytes and
-the destination of messages; between the two, all of them use this class. It does no I/O, reads no
-clock and transmits nothing.
+live reader, `bahrs convert` and `bahrs decode` differ in the source of bytes and the destination
+of messages; between the two, all of them use this class. Only what needs no stamps, such as
+`bahrs report` and the summary of `bahrs decode`, may find frames in blocks instead. It does no
+I/O, reads no clock and transmits nothing.
 """
 
 from collections.abc import Sequence

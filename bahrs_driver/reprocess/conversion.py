@@ -3,9 +3,9 @@
 """
 Regenerate all topics from a capture, with device time estimated from all of it.
 
-Two passes run the pipeline of the driver over the capture. The first one collects what the clock
-needs to know of the whole recording, the second one stamps and converts. Log times of messages are
-their stamps without the steps of the host clock (see bag.log_clock).
+Two passes read the capture. The first one collects what the clock needs to know of the whole
+recording. The second one runs the pipeline of the driver, which stamps, and converts. Log times of
+messages are their stamps without the steps of the host clock (see bag.log_clock).
 """
 
 from collections import Counter

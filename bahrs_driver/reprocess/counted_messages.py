@@ -3,8 +3,8 @@
 """
 Find the messages of a capture that count its samples and give them a time.
 
-Frames are found in blocks. Of the messages that are nearly all, samples and navigation messages,
-only the counters are decoded.
+Frames are found in blocks. Nearly all messages are samples and navigation messages: only their
+counters are decoded.
 """
 
 from collections.abc import Iterable, Iterator

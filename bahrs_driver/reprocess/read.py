@@ -26,8 +26,8 @@ def read(path: str | Path, sensor: str | None = None,
     Return the table of each topic that `bahrs convert` makes of a recording, but `raw`.
 
     path is a file of raw bytes, or a bag with the topic `raw`, which needs the Python package
-    mcap. sensor is the value of the parameter `sensor`, by default that which a bag
-    names, or that of the parameter. parameters has parameters of the driver by name, such as
+    mcap. sensor is the value of the parameter `sensor`; without it, the bag names the sensor, or
+    it is the default of the parameter. parameters has parameters of the driver by name, such as
     {'frame_convention': 'ned'}. start_ns is the time of the first time message of a file of bytes,
     in ns since 1970; without it, times are device time. topic is that of the raw bytes, if the bag
     has several.

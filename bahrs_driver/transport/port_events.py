@@ -40,7 +40,7 @@ class PortUnavailable(NamedTuple):
 
 
 class BytesRead(NamedTuple):
-    """A read returned bytes; the pipeline returned events, None if no frame was complete."""
+    """A read returned bytes; events is None if there are none and no frame was complete."""
 
     reading: Reading
     connection: Connection

@@ -23,10 +23,10 @@ def conditions(peers: Path) -> dict[str, str]:
         'kernel': f'{platform.system()} {platform.release().split("-")[0]}',
         'Python': platform.python_version(),
         'packages': ', '.join(f'{name} {version(name)}' for name in PACKAGES),
-        'peers': _output(str(peers), '-c', 'from importlib.metadata import version\n'
-                         'for name in ("pyubx2", "pymavlink"): print(name, version(name))'),
-        'C compiler': _output('cc', '--version').splitlines()[0] if shutil.which('cc')
-        else 'none'}
+        'peers': ', '.join(_lines(
+            str(peers), '-c', 'from importlib.metadata import version\n'
+            'for name in ("pyubx2", "pymavlink"): print(name, version(name))')),
+        'C compiler': _lines('cc', '--version')[0] if shutil.which('cc') else 'none'}
 
 
 def processor() -> str:
@@ -38,10 +38,10 @@ def processor() -> str:
 
 
 def memory() -> float:
-    """Return the size of the memory in GB."""
+    """Return the size of the memory in GB (10^9 bytes)."""
     return os.sysconf('SC_PAGE_SIZE') * os.sysconf('SC_PHYS_PAGES') / 1e9
 
 
-def _output(*words: str) -> str:
-    done = subprocess.run(words, capture_output=True, text=True, check=True)
-    return ', '.join(done.stdout.strip().splitlines()) if words[0] != 'cc' else done.stdout
+def _lines(*words: str) -> list[str]:
+    """Return the lines that a program prints."""
+    return subprocess.run(words, capture_output=True, text=True, check=True).stdout.splitlines()

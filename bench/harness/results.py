@@ -52,9 +52,9 @@ def line(row: Row) -> str:
 
 def table(rows: Sequence[Row], faults: Sequence[Fault]) -> str:
     """Return the table; a group without a result has a row that says why."""
-    lines = [HEAD, ('---',) * len(HEAD), *map(cells, rows)]
-    lines += [(fault.group, '-', fault.reason, '-', '-', '-', '-', '**no**') for fault in faults]
-    return '\n'.join(f"| {' | '.join(line)} |" for line in lines) + '\n'
+    found = [HEAD, ('---',) * len(HEAD), *map(cells, rows)]
+    found += [(fault.group, '-', fault.reason, '-', '-', '-', '-', '**no**') for fault in faults]
+    return '\n'.join(f"| {' | '.join(texts)} |" for texts in found) + '\n'
 
 
 def page(rows: Sequence[Row], faults: Sequence[Fault], conditions: Mapping[str, str]) -> str:
