@@ -225,8 +225,8 @@ def test_a_driver_that_waits_for_the_recorder(tmp_path):
     framer, codec = Framer(BahrsFormat()), BahrsCodec()
     first = codec.decode(next(frame for chunk in open_capture(bag).chunks()
                               for frame in framer.feed(chunk.data)))
-    # The force along x is the number of the message.
-    assert first.specific_force[0] == pytest.approx(0.0, abs=FORCE / 2)
+    # The force along x is the number of the message. Opening the port discards what has come.
+    assert round(first.specific_force[0] / FORCE) < 5
 
 
 @pytest.mark.parametrize('raw_only', [True, False])
