@@ -3,11 +3,8 @@
 """An open port: its interface, and the implementation for ports with a file descriptor."""
 
 import errno
-import fcntl
 import os
 import select
-import struct
-import termios
 import time
 from typing import NamedTuple, Protocol
 
@@ -106,10 +103,6 @@ class DescriptorChannel:
             if ready:
                 return
         raise TimeoutError(errno.ETIMEDOUT, f'it has accepted nothing for {timeout:g} s')
-
-    def _count_waiting(self) -> int:
-        return int(struct.unpack('i', fcntl.ioctl(
-            self._descriptor, termios.FIONREAD, bytes(4)))[0])
 
     def _handle_no_data(self) -> None:
         """Handle a read without data after poll() announced some."""

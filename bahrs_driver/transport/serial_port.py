@@ -63,7 +63,7 @@ class SerialPort(DescriptorChannel):
 
     def _handle_end_of_stream(self) -> None:
         """Count a read whose bytes another program took; OSError if the device is gone."""
-        self._count_waiting()               # raises if the device is gone
+        fcntl.ioctl(self._descriptor, termios.FIONREAD, bytes(4))   # raises if the device is gone
         self.stolen += 1
         self._empty_reads += 1
         time.sleep(min(self._empty_reads * BACK_OFF_STEP, LONGEST_BACK_OFF))
