@@ -127,7 +127,7 @@ class TimeReference(NamedTuple):
 
 
 class Float64(NamedTuple):
-    """std_msgs/Float64: a heading in degrees."""
+    """std_msgs/Float64."""
 
     data: float
 

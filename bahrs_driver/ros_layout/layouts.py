@@ -57,7 +57,7 @@ LAYOUTS: dict[type, MessageLayout] = {
         'sensor_msgs/msg/TimeReference', *HEADER, time('time_ref'), text('source')),
     values.Vector3Stamped: StampedLayout(
         'geometry_msgs/msg/Vector3Stamped', members('vector', 'xyz', 'rad')),
-    values.Float64: MessageLayout('std_msgs/msg/Float64', number('data', 'd', 'deg')),
+    values.Float64: MessageLayout('std_msgs/msg/Float64', number('data', 'd')),
     values.TFMessage: SequenceLayout(
         'tf2_msgs/msg/TFMessage',
         records('transforms', 'geometry_msgs/msg/TransformStamped', *HEADER,
