@@ -3,10 +3,10 @@
 """
 The wire layout of messages: one row for each field, for decoding and encoding.
 
-A message is a frozen dataclass whose fields are declared with `wire(row)`. A row has the struct
-code of its field and the conversion between the raw number and the SI value. A Layout compiles
-the rows of one message for one protocol version. Decoding and encoding use the same rows, so that
-they cannot disagree.
+A message is a frozen dataclass with slots, whose fields are declared with `wire(row)`. A row has
+the struct code of its field and the conversion between the raw number and the SI value. A Layout
+compiles the rows of one message for one protocol version. Decoding and encoding use the same rows,
+so that they cannot disagree.
 """
 
 from collections.abc import Callable, Mapping, Sequence
