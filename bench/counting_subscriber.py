@@ -17,7 +17,7 @@ TOPICS: dict[str, Any] = {
 
 
 def subscribe(node: Node) -> None:
-    """Subscribe to serialised messages, and count them."""
+    """Subscribe to serialized messages, and count them."""
     counts = dict.fromkeys(TOPICS, 0)
 
     def count(topic: str, _: bytes) -> None:

@@ -17,9 +17,9 @@ from rclpy.node import Node
 from sensor_msgs.msg import Imu
 import subscriber
 
-DEPTH = 50_000              # this queue shall not be the one that overflows
+DEPTH = 50_000              # messages; another queue should overflow first
 FORCE = struct.Struct('<2d')
-FORCE_FROM_END = 8 * (3 + 9)    # force and its covariance end a serialised Imu message
+FORCE_FROM_END = 8 * (3 + 9)    # force and its covariance end a serialized Imu message
 
 
 class Counter:
@@ -32,7 +32,7 @@ class Counter:
         self._latest: float | None = None
 
     def add(self, data: bytes) -> None:
-        """Count a serialised Imu message."""
+        """Count a serialized Imu message."""
         number = number_of(*FORCE.unpack_from(data, len(data) - FORCE_FROM_END))
         self.received += 1
         self.lost += number - self.next

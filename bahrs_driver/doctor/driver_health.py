@@ -32,7 +32,7 @@ class DriverStatuses:
         return len(self._statuses) == len(self._drivers)
 
     def add(self, data: bytes) -> None:
-        """Add the statuses of a serialised message."""
+        """Add the statuses of a serialized message."""
         try:
             array = deserialize_message(data, DiagnosticArray)
         except Exception:       # malformed bytes raise exceptions of many kinds

@@ -43,7 +43,7 @@ def init_ros(arguments: Sequence[str], log_files: bool = True) -> str:
     except RuntimeError as error:       # the base of RCLError, which rclpy does not export
         if 'logging' not in str(error):
             raise
-        rclpy.try_shutdown()        # ROS was partly initialised before the logging failed
+        rclpy.try_shutdown()        # ROS was partly initialized before the logging failed
         problem = without_source_lines(error)
         init(*no_log_files)
     return problem

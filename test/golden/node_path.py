@@ -28,7 +28,7 @@ EVENTS = 'events'       # name under which notices and failures stand beside the
 
 
 def node_path(source: Input, changes: dict[str, object]) -> list[tuple[str, bytes]]:
-    """Return topic and serialised message of all that the node publishes for an input."""
+    """Return topic and serialized message of all that the node publishes for an input."""
     spec = DEVICES[source.sensor]
     sensor = spec.parts(settings_of(spec.name, **changes).for_recording())
     node = _Node(sensor, _ScriptedLink(source.openings))

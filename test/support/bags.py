@@ -19,13 +19,13 @@ STORE = get_typestore(Stores.ROS2_JAZZY)
 METADATA = [ReadMetadata('bahrs', 1 + i // 6, 86805, 10 ** 18 + i, 5 * 10 ** 9 + i)
             for i in range(10)]
 PIECES = [bytes(range(i, i + 20)) for i in range(10)]
-Items = Iterable[tuple[int, bytes]]         # log times and serialised messages
+Items = Iterable[tuple[int, bytes]]         # log times and serialized messages
 CHUNKS = [Chunk(data, metadata.ros_ns, metadata.raw_ns, metadata.connection_id)
           for data, metadata in zip(PIECES, METADATA)]
 
 
 def messages() -> list[tuple[int, bytes]]:
-    """Return serialised raw messages with their log times."""
+    """Return serialized raw messages with their log times."""
     return [(metadata.ros_ns + 1000, serialize(raw.message(data, metadata.to_label())))
             for data, metadata in zip(PIECES, METADATA)]
 

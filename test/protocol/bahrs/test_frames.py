@@ -325,7 +325,7 @@ def test_any_intact_frame_decodes_and_encodes_back(data, signed):
 
 # The shared vectors
 
-def normalised(name, value):
+def normalized(name, value):
     """Return a value as the vectors write it."""
     if isinstance(value, bytes):
         return value.hex()
@@ -344,7 +344,7 @@ def test_vectors_decode_to_their_raw_values(vectors):
     """By the names of the fields."""
     codec = BahrsCodec()
     for vector in vectors:
-        raw = {name: normalised(name, value)
+        raw = {name: normalized(name, value)
                for name, value in codec.raw(as_frame(bytes.fromhex(vector['hex']))).items()}
         if 'device_time_us' in raw:
             raw['device_time'] = raw.pop('device_time_us')
@@ -359,7 +359,7 @@ def test_vectors_decode_to_their_si_values(vectors):
         assert message.NAME == vector['message'], vector
         for name, value in vector['si'].items():
             exact = name in ('health', 'project') or value is None
-            assert normalised(name, getattr(message, name)) == \
+            assert normalized(name, getattr(message, name)) == \
                 (value if exact else pytest.approx(value, rel=1e-12)), (name, vector)
 
 
@@ -370,7 +370,7 @@ def test_vectors_of_messages_without_si_decode_to_their_raw_values(vectors):
     assert service
     for vector in service:
         message = codec.decode(as_frame(bytes.fromhex(vector['hex'])))
-        values = {name: normalised(name, value) for name, value in asdict(message).items()}
+        values = {name: normalized(name, value) for name, value in asdict(message).items()}
         assert values == vector['raw'], vector
 
 
