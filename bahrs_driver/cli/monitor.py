@@ -3,7 +3,6 @@
 """`bahrs monitor`: show the topics of the driver, live."""
 
 import argparse
-import contextlib
 import json
 import math
 import os
@@ -11,11 +10,13 @@ import time
 
 from bahrs_driver.cli.node_options import add_node_options, selected_node, several_nodes
 from bahrs_driver.cli.ros_session import ros_session
+from bahrs_driver.cli.signals import shutdown_on_signal
 from bahrs_driver.errors import CommandError
 from bahrs_driver.monitor.hints import no_driver_hint
 from bahrs_driver.monitor.page import Page
 from bahrs_driver.monitor.tables import tables, to_json
 from bahrs_driver.monitor.watch import Watch
+from bahrs_driver.process.shutdown_event import ShutdownEvent
 from bahrs_driver.ros.start_errors import start_errors
 from diagnostic_msgs.msg import DiagnosticStatus
 import rclpy
@@ -57,14 +58,13 @@ def run(options: argparse.Namespace) -> int:
     console = Console()
     begin = time.monotonic()
     end = math.inf if options.duration is None else begin + options.duration
-    with ros_session(options) as keep:
+    with shutdown_on_signal() as shutdown, ros_session(options) as keep:
         with start_errors(options.ros_arguments):
             watch = Watch(keep(rclpy.create_node(f'bahrs_monitor_{os.getpid()}')), selection)
-        with contextlib.suppress(KeyboardInterrupt):
-            if console.is_terminal and not options.json:
-                _show(watch, console, end)
-            else:
-                _watch(watch, end)
+        if console.is_terminal and not options.json:
+            _show(watch, console, end, shutdown)
+        else:
+            _watch(watch, end, shutdown)
     if options.json:
         print(json.dumps(to_json(watch)))
     else:
@@ -83,15 +83,15 @@ def _why_no_data(watch: Watch) -> str:
     return 'the driver runs and reports no error' if watch.driver_seen else no_driver_hint(watch)
 
 
-def _show(watch: Watch, console: Console, end: float) -> None:
+def _show(watch: Watch, console: Console, end: float, shutdown: ShutdownEvent) -> None:
     with Live(Page(watch), console=console, screen=True, auto_refresh=False) as live:
-        while time.monotonic() < end:
+        while time.monotonic() < end and not shutdown.is_set():
             _spin(watch, end)
             live.refresh()
 
 
-def _watch(watch: Watch, end: float) -> None:
-    while time.monotonic() < end:
+def _watch(watch: Watch, end: float, shutdown: ShutdownEvent) -> None:
+    while time.monotonic() < end and not shutdown.is_set():
         _spin(watch, end)
 
 
