@@ -33,7 +33,7 @@ def sensor_of(capture: Capture | None, chosen: str | None) -> str:
     name = chosen or (capture and capture.sensor) or DEFAULT
     if capture and name not in DEVICES:
         raise CaptureError(f"{printable(capture.path)} is of a sensor '{printable(name)}', which "
-                           f'is not known here: choose one of {", ".join(DEVICES)} with --sensor')
+                           f'is not known here: choose one of {", ".join(DEVICES)} as its sensor')
     return name
 
 
