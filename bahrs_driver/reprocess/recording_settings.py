@@ -26,7 +26,7 @@ def recording_settings(given: Mapping[str, object], sensor: str,
     table = parameter_table()
     values = table.values({SENSOR: sensor, **given})
     if values[SENSOR] != sensor:
-        raise ParameterError(f'{describe(SENSOR)}: choose {values[SENSOR]} as the sensor, not as a parameter')
+        raise ParameterError(f'{describe(SENSOR)}: choose {values[SENSOR]} as the sensor instead')
     settings = table.settings(values)[1].for_recording()
     for row in parameters(settings):
         if row.name in given and values[row.name] != row.default \

@@ -222,7 +222,7 @@ def test_namespace(byte_file, tmp_path):
     (['FILE', '/proc/x'], 1, 'cannot make'),
     (['FILE', 'OUT', '-p', 'speed:=3'], 1, '-p speed:=3: speed (there is no such parameter)'),
     (['FILE', 'OUT', '-p', 'port'], 1, '-p port: it must be NAME:=VALUE'),
-    (['FILE', 'OUT', '-p', 'sensor:=titan_m'], 1, 'choose titan_m as the sensor, not as a parameter'),
+    (['FILE', 'OUT', '-p', 'sensor:=titan_m'], 1, 'choose titan_m as the sensor instead'),
     (['FILE', 'OUT', '-p', 'frame_convention:=nwu'], 1, "must be 'enu' or 'ned'"),
     (['FILE', 'OUT', '-p', 'port:=[a'], 1, "'[a' is not valid YAML"),
     (['FILE', 'OUT', '--namespace', 'a b'], 1, "'a b' is not a namespace"),
