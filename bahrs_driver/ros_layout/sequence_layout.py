@@ -3,9 +3,9 @@
 """
 The layout of a serialized ROS message with sequences.
 
-A sequence is the number of its elements as a uint32, and the elements. As they move all fields
-behind them, each field is packed by itself: these messages are rare, or nearly all of them is one
-block of bytes.
+A sequence is the number of its elements as a uint32, and the elements. It moves all fields behind
+it, so each field is packed alone. That is slower, but such messages are rare, or consist of one
+large block of bytes.
 """
 
 from collections.abc import Callable, Iterable, Mapping

@@ -27,7 +27,7 @@ def rviz():
 
 @pytest.mark.parametrize('display', rviz()[0], ids=lambda display: display['Name'])
 def test_rviz_shows_what_is_published(display):
-    """In displays that RViz has by itself; a relative topic follows the namespace."""
+    """Displays are RViz's own; a relative topic follows the namespace."""
     package, _, name = display['Class'].partition('/')
     assert package == 'rviz_default_plugins' and display['Enabled'] and display['Value']
     kind = DISPLAYS[name]
